@@ -1,36 +1,40 @@
-"""Read-outs of all modules."""
+"""Read-outs of modules behind a small scene whose two axes are unlike in everything."""
 
 import cmath
 import math
 
 import numpy as np
 import pytest
-from scipy.special import j0
 
+from battery_settings import EXAMPLES, SMALL_PUPIL
+from core.chain.engine import transfer_plane
+from library_battery import DECLARED
 from node_bench import NodeBench
 from nodes.library import standard_library
 from planck_truth import band_radiance
-from readout_bench import (
-    COLUMNS,
-    DX,
-    DY,
-    F_NUMBER,
-    FILL_X,
-    FILL_Y,
-    FOCAL_LENGTH_MM,
-    NYQUIST_X,
-    NYQUIST_Y,
-    PITCH_X_UM,
-    PITCH_Y_UM,
-    RANGE_M,
-    ROWS,
-    SCAN_MRAD_PER_S,
-    VELOCITY_M_PER_S,
-    bench_of,
-    gaussian,
-    sinc,
-)
 
+LIBRARY = standard_library()
+COLUMNS, ROWS = 24, 16
+FOV_X_DEG, FOV_Y_DEG = 2.0, 3.0
+DX = math.radians(FOV_X_DEG) * 1000 / COLUMNS  # mrad
+DY = math.radians(FOV_Y_DEG) * 1000 / ROWS
+NYQUIST_X, NYQUIST_Y = 0.5 / DX, 0.5 / DY  # cycles/mrad: 0.344 and 0.153
+SCENE = {
+    "kind": "two_panel", "width": COLUMNS, "height": ROWS,
+    "fov_x_deg": FOV_X_DEG, "fov_y_deg": FOV_Y_DEG, "cut_on_um": 8.0, "cut_off_um": 12.0,
+}  # fmt: skip
+FOCAL_LENGTH_MM = 20.0
+PITCH_X_UM, PITCH_Y_UM = 30.0, 50.0
+FILL_X, FILL_Y = 0.9, 0.7
+RANGE_M = 400.0
+F_NUMBER = 1.5
+VELOCITY_M_PER_S = 60.0
+SCAN_MRAD_PER_S = 8000.0
+INIT = {
+    "detector_x_um": PITCH_X_UM, "detector_y_um": PITCH_Y_UM, "focal_length_mm": FOCAL_LENGTH_MM,
+    "fill_x": FILL_X, "fill_y": FILL_Y, "range_m": RANGE_M, "f_number": F_NUMBER,
+    "velocity_m_per_s": VELOCITY_M_PER_S, "scan_velocity_mrad_per_s": SCAN_MRAD_PER_S,
+}  # fmt: skip
 IFOV_X, IFOV_Y = (FILL_X * PITCH_X_UM / FOCAL_LENGTH_MM, FILL_Y * PITCH_Y_UM / FOCAL_LENGTH_MM)
 LOST = 0.001
 PACKETS = cmath.exp(-2j * math.pi * NYQUIST_X * PITCH_X_UM / FOCAL_LENGTH_MM)
@@ -41,6 +45,33 @@ MEAN_UM = 10.0
 R0_M = (0.423 * (2 * math.pi / 10e-6) ** 2 * 1e-13 * RANGE_M * 3 / 8) ** (-3 / 5)
 DEPTH = 0.5 * RANGE_M / 1000
 CUTOFF = 0.2  # between the two Nyquist frequencies
+BLUR = {"sigma_x_mrad": 0.4, "sigma_y_mrad": 1.3}
+WITH_MTF = [
+    key
+    for key, declared in DECLARED.items()
+    if any(readout.name == "mtf_at_nyquist_x" for readout in declared.readouts)
+]
+
+
+def bench_of(folder, key, params, *, init=None, scene=None, more=()):
+    """The module as node `it` behind the scene, Init & Trans and what `more` there is."""
+    nodes = {
+        "scene": ("test_scene", {**SCENE, **(scene or {})}),
+        "init": ("init_trans", {**INIT, **(init or {})}),
+        **dict(more),
+        "it": (key, params),
+    }
+    return NodeBench(LIBRARY, folder, nodes)
+
+
+def gaussian(sigma_mrad, frequency):
+    """Transfer function of a Gaussian blur."""
+    return math.exp(-2 * (math.pi * sigma_mrad * frequency) ** 2)
+
+
+def sinc(x):
+    """The field's sinc, sin(πx)/(πx)."""
+    return float(np.sinc(x))
 
 
 def fried(rho, r0_m):
@@ -56,148 +87,36 @@ def blurs(velocity):
     return 1000 * velocity * 0.02 / RANGE_M
 
 
+MOTION = {
+    "image_velocity_x": 5.0, "platform_velocity_x": 25.0, "image_velocity_y": 61.0,
+    "platform_velocity_y": 10.0, "integration_time_s": 0.02,
+}  # fmt: skip
+# What a blur tells beside its MTF at Nyquist.
 CASES = [
-    (
-        "gaussian_mtf",
-        {"sigma_x_mrad": 0.4, "sigma_y_mrad": 1.3},
-        {
-            "mtf_at_nyquist_x": gaussian(0.4, NYQUIST_X),
-            "mtf_at_nyquist_y": gaussian(1.3, NYQUIST_Y),
-        },
-    ),
-    (
-        "detector_mtf",
-        {},
-        {
-            "mtf_at_nyquist_x": sinc(IFOV_X * NYQUIST_X),
-            "mtf_at_nyquist_y": sinc(IFOV_Y * NYQUIST_Y),
-            "ifov_x_mrad": IFOV_X,
-            "ifov_y_mrad": IFOV_Y,
-            "first_zero_x": 1 / IFOV_X,
-            "first_zero_y": 1 / IFOV_Y,
-        },
-    ),
-    (
-        "charge_eff_mtf",
-        {"detectors_per_line": 500, "efficiency": 1 - LOST, "nyquist": "detector"},
-        {"mtf_at_nyquist_x": abs(TRANSFER) ** 500, "mtf_at_nyquist_y": 1.0},
-    ),
-    (
-        # Packets one sample apart: at the samples' Nyquist frequency they turn by half a wave.
-        "charge_eff_mtf",
-        {"detectors_per_line": 500, "efficiency": 1 - LOST, "nyquist": "image"},
-        {"mtf_at_nyquist_x": ((1 - LOST) / (1 + LOST)) ** 500, "mtf_at_nyquist_y": 1.0},
-    ),
-    (
-        "charge_eff_phase",
-        {"detectors_per_line": 500, "efficiency": 1 - LOST, "nyquist": "detector"},
-        {"ptf_at_nyquist_x": 500 * cmath.phase(TRANSFER)},
-    ),
-    (
-        "crosstrack_mtf",
-        {"dwell_time_s": 2e-4},
-        {
-            "mtf_at_nyquist_x": sinc(2e-4 * SCAN_MRAD_PER_S * NYQUIST_X),
-            "mtf_at_nyquist_y": 1.0,
-            "blur_mrad": 2e-4 * SCAN_MRAD_PER_S,
-        },
-    ),
-    (
-        "alongtrack_mtf",
-        {"integration_time_s": 0.02},
-        {
-            "mtf_at_nyquist_x": 1.0,
-            "mtf_at_nyquist_y": sinc(blurs(VELOCITY_M_PER_S) * NYQUIST_Y),
-            "blur_y_mrad": blurs(VELOCITY_M_PER_S),
-        },
-    ),
-    *(
-        (
-            "relative_motion_mtf",
-            {
-                "image_velocity_x": 5.0,
-                "platform_velocity_x": 25.0,
-                "image_velocity_y": 61.0,
-                "platform_velocity_y": 10.0,
-                "integration_time_s": 0.02,
-                "model": model,
-            },
-            {
-                "mtf_at_nyquist_x": sinc(blurs(20.0) * NYQUIST_X),
-                "mtf_at_nyquist_y": sinc(blurs(51.0) * NYQUIST_Y),
-                "blur_x_mrad": blurs(20.0),
-                "blur_y_mrad": blurs(-51.0),
-            },
-        )
-        for model in ("published", "line")
-    ),
-    (
-        "jitter_mtf",
-        {"sigma_mrad": 0.5},
-        {
-            "mtf_at_nyquist_x": gaussian(0.5, NYQUIST_X),
-            "mtf_at_nyquist_y": gaussian(0.5, NYQUIST_Y),
-            "half_contrast": math.sqrt(2 * math.log(2)) / (2 * math.pi * 0.5),
-        },
-    ),
-    (
-        "vibration_mtf",
-        {
-            "amplitude_x_mrad": 0.3,
-            "amplitude_y_mrad": 0.9,
-            "frequency_Hz": 12.0,
-            "integration_time_s": 0.25,
-        },
-        {
-            "mtf_at_nyquist_x": j0(2 * math.pi * 0.3 * NYQUIST_X),
-            "mtf_at_nyquist_y": j0(2 * math.pi * 0.9 * NYQUIST_Y),
-            "periods": 3.0,
-        },
-    ),
-    (
-        "atmosphere_mtf",
-        {"turbulence": "long_exposure", "fried_r0_m": 0.01, "turbidity": "none"},
-        {
-            "mtf_at_nyquist_x": fried(NYQUIST_X, 0.01),
-            "mtf_at_nyquist_y": fried(NYQUIST_Y, 0.01),
-            "r0_m": 0.01,
-            "optical_depth": 0.0,
-            "largest_change": 1 - fried(CORNER, 0.01),
-            "negligible": "no",
-        },
-    ),
-    (
-        "atmosphere_mtf",
-        {
-            "turbulence": "long_exposure",
-            "cn2": 1e-13,
-            "turbidity": "custom",
-            "scattering_per_km": 0.5,
-            "turbidity_cutoff_cyc_per_mrad": CUTOFF,
-        },
-        {
-            "mtf_at_nyquist_x": fried(NYQUIST_X, R0_M) * math.exp(-DEPTH),
-            "mtf_at_nyquist_y": fried(NYQUIST_Y, R0_M)
-            * math.exp(-DEPTH * (NYQUIST_Y / CUTOFF) ** 2),
-            "r0_m": R0_M,
-            "optical_depth": DEPTH,
-            "largest_change": 1 - fried(CORNER, R0_M) * math.exp(-DEPTH),
-            "negligible": "no",
-        },
-    ),
-    (
-        "atmosphere_mtf",
-        {"turbulence": "none", "turbidity": "custom", "scatter_depth": 0.003},
-        {
-            "mtf_at_nyquist_x": math.exp(-0.003),
-            "mtf_at_nyquist_y": math.exp(-0.003),
-            "r0_m": None,
-            "optical_depth": 0.003,
-            "largest_change": 1 - math.exp(-0.003),
-            "negligible": "yes",
-        },
-    ),
-]
+    ("detector_mtf", {}, {"ifov_x_mrad": IFOV_X, "ifov_y_mrad": IFOV_Y,
+                          "first_zero_x": 1 / IFOV_X, "first_zero_y": 1 / IFOV_Y}),
+    ("charge_eff_phase", {"detectors_per_line": 500, "efficiency": 1 - LOST, "nyquist": "detector"},
+     {"ptf_at_nyquist_x": 500 * cmath.phase(TRANSFER)}),
+    ("crosstrack_mtf", {"dwell_time_s": 2e-4}, {"blur_mrad": 2e-4 * SCAN_MRAD_PER_S}),
+    ("alongtrack_mtf", {"integration_time_s": 0.02}, {"blur_y_mrad": blurs(VELOCITY_M_PER_S)}),
+    *(("relative_motion_mtf", {**MOTION, "model": model},
+       {"blur_x_mrad": blurs(20.0), "blur_y_mrad": blurs(-51.0)})
+      for model in ("published", "line")),
+    ("jitter_mtf", {"sigma_mrad": 0.5},
+     {"half_contrast": math.sqrt(2 * math.log(2)) / (2 * math.pi * 0.5)}),
+    ("vibration_mtf", {"amplitude_x_mrad": 0.3, "frequency_Hz": 12.0, "integration_time_s": 0.25},
+     {"periods": 3.0}),
+    ("atmosphere_mtf", {"turbulence": "long_exposure", "fried_r0_m": 0.01, "turbidity": "none"},
+     {"r0_m": 0.01, "optical_depth": 0.0, "largest_change": 1 - fried(CORNER, 0.01),
+      "negligible": "no"}),
+    ("atmosphere_mtf", {"turbulence": "long_exposure", "cn2": 1e-13, "turbidity": "custom",
+                        "scattering_per_km": 0.5, "turbidity_cutoff_cyc_per_mrad": CUTOFF},
+     {"r0_m": R0_M, "optical_depth": DEPTH, "negligible": "no",
+      "largest_change": 1 - fried(CORNER, R0_M) * math.exp(-DEPTH)}),
+    ("atmosphere_mtf", {"turbulence": "none", "turbidity": "custom", "scatter_depth": 0.003},
+     {"r0_m": None, "optical_depth": 0.003, "largest_change": 1 - math.exp(-0.003),
+      "negligible": "yes"}),
+]  # fmt: skip
 
 
 def check(found, expected):
@@ -209,29 +128,36 @@ def check(found, expected):
             assert found[name] == value, name
 
 
-@pytest.mark.parametrize(("key", "params", "expected"), CASES)
-def test_readouts_of_a_blur(tmp_path, key, params, expected):
-    check(of_samples(bench_of(tmp_path, key, params).readouts("it")), expected)
-
-
 def of_samples(found):
     """Without what is at the pixels' Nyquist frequency, which is the same law at another place."""
     return {name: value for name, value in found.items() if "pixel_nyquist" not in name}
 
 
-@pytest.mark.parametrize(
-    ("key", "law_x", "law_y"),
-    [
-        ("gaussian_mtf", lambda f: gaussian(0.4, f), lambda f: gaussian(1.3, f)),
-        ("detector_mtf", lambda f: sinc(IFOV_X * f), lambda f: sinc(IFOV_Y * f)),
-    ],
-)
-def test_readouts_at_the_pixels_nyquist_frequencies(tmp_path, key, law_x, law_y):
-    params = {"sigma_x_mrad": 0.4, "sigma_y_mrad": 1.3} if key == "gaussian_mtf" else {}
-    found = bench_of(tmp_path, key, params).readouts("it")
-    for axis, law, pitch_um in (("x", law_x, PITCH_X_UM), ("y", law_y, PITCH_Y_UM)):
-        expected = law(0.5 * FOCAL_LENGTH_MM / pitch_um)
-        assert found[f"mtf_at_pixel_nyquist_{axis}"] == pytest.approx(expected, rel=1e-11)
+@pytest.mark.parametrize(("key", "params", "expected"), CASES)
+def test_readouts_of_a_blur(tmp_path, key, params, expected):
+    found = of_samples(bench_of(tmp_path, key, params).readouts("it"))
+    check({name: value for name, value in found.items() if not name.startswith("mtf_at")}, expected)
+
+
+def test_the_mtf_of_a_gaussian_blur_at_both_nyquist_frequencies(tmp_path):
+    found = bench_of(tmp_path, "gaussian_mtf", BLUR).readouts("it")
+    for axis, pitch_um, nyquist in (("x", PITCH_X_UM, NYQUIST_X), ("y", PITCH_Y_UM, NYQUIST_Y)):
+        pixel, sigma = 0.5 * FOCAL_LENGTH_MM / pitch_um, BLUR[f"sigma_{axis}_mrad"]
+        assert found[f"mtf_at_nyquist_{axis}"] == pytest.approx(gaussian(sigma, nyquist), rel=1e-11)
+        assert found[f"mtf_at_pixel_nyquist_{axis}"] == pytest.approx(gaussian(sigma, pixel), 1e-11)
+
+
+@pytest.mark.parametrize("key", WITH_MTF)
+def test_the_mtf_of_every_module_at_both_nyquist_frequencies(folder, key):
+    """That of its transfer function, whose law other tests know."""
+    optics = {"pupil": ("exit_pupil", SMALL_PUPIL)} if key == "exit_pupil_mtf" else {}
+    bench = bench_of(folder, key, EXAMPLES[key], more=optics)
+    found, mtf = bench.readouts("it"), bench.port("it.mtf")
+    pixel = (0.5 * FOCAL_LENGTH_MM / pitch_um for pitch_um in (PITCH_X_UM, PITCH_Y_UM))
+    for place, (x, y) in (("nyquist", (NYQUIST_X, NYQUIST_Y)), ("pixel_nyquist", pixel)):
+        plane = transfer_plane(bench.work, mtf, np.array([0.0, x]), np.array([0.0, y]))
+        for axis, value in (("x", plane[0, 1]), ("y", plane[1, 0])):
+            assert found[f"mtf_at_{place}_{axis}"] == pytest.approx(abs(value), rel=1e-9, abs=1e-12)
 
 
 def pupil(folder, shape, size_x=64, size_y=40, **settings):
@@ -274,7 +200,6 @@ def test_readouts_of_photon_noise(tmp_path):
     check(bench.readouts("it"), expected)
 
 
-BLUR = {"sigma_x_mrad": 0.4, "sigma_y_mrad": 1.3}
 D_STAR, BANDWIDTH_HZ, GAIN = 1e9, 3e4, 0.02
 
 
@@ -468,5 +393,5 @@ def test_nyquist_of_sampled_pixels(tmp_path):
         "scene": ("test_scene", seen),
         "pixels": ("sample_pixels", {"factor_x": 3, "factor_y": 2}),
     }
-    bench = NodeBench(standard_library(), tmp_path, nodes, [("scene.image", "pixels.image")])
+    bench = NodeBench(LIBRARY, tmp_path, nodes, [("scene.image", "pixels.image")])
     assert bench.readouts("pixels") == pytest.approx({"nyquist_x": 1 / 3, "nyquist_y": 1.0})
