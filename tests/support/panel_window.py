@@ -60,7 +60,7 @@ def dragged(made, panel, name, pixels):
     x, y = made.at(slider.mapToGlobal(handle.center()))
     found, badges = [heights(panel)], []
     steps = [("mousemove", x, y, "mousedown", 1)]
-    steps += [("mousemove", x + pixels * step // 4, y) for step in range(1, 5)]
+    steps += [("mousemove", x + pixels * step // 2, y) for step in (1, 2)]
     for step in (*steps, ("mouseup", 1)):
         subprocess.run(["xdotool", *map(str, step)], check=True)
         process_events(0.15)
