@@ -1,20 +1,4 @@
-"""The accuracy that is promised, line by line: where each is a test, and the lines tested here.
-
-| promise | double | single | test |
-|---|---|---|---|
-| delivered MTF, periodic, against the analytic product | 1e-12 | 2e-6 | `test_delivered_transfer` |
-| mirrored frames against a direct sum, of the maximum | 1e-12 | 2e-6 | `test_table_of_extremes`, |
-| | | | `test_random_networks` |
-| mean radiance, relative | 1e-13 | 1e-7 | `test_delivered_transfer` |
-| shift from the first bin, periodic | 1e-10 | 1e-5 sample | `test_delivered_transfer` |
-| centroid of a point centred in an odd frame | 1e-10 | 1e-5 sample | here |
-| fold then inverse against inverse then mean | 1e-13 | 1e-6 | `test_delivered_combining` |
-| reference values | 1e-12·abs + 1e-15 | | `tests/core/physics`, all of them: here |
-| OTF of half-moon, hinged, slit and spider | 1e-12 | | `test_pupil_geometric_otf`: 3e-14 |
-| sampled pupil, 512 across, and an estimate that covers | 1e-4 | | `test_pupil_sampled_otf` |
-| band radiance, dL/dT, brightness temperature | 1e-12 | | `tests/core/physics/test_planck` |
-| radiance in a scene | 1e-12 | 1e-7 | here |
-"""
+"""Promises of accuracy that no other test has: shifts, uniform radiance, every reference value."""
 
 import ast
 import json
@@ -28,8 +12,6 @@ from node_bench import NodeBench
 from planck_truth import band_radiance
 from reference_cases import REFERENCE
 from short_chain import LIBRARY, short_chain
-
-# ---------------------------------------------------------------- shift
 
 
 @pytest.mark.parametrize("precision", PRECISIONS)
@@ -47,12 +29,6 @@ def test_centroid_is_the_mean_lag(tmp_path, transfers, efficiency, edges, precis
     assert abs(centroid - transfers * (1 - efficiency) / efficiency) <= SHIFT_ERROR[precision]
 
 
-# ---------------------------------------------------------------- pupils
-
-
-# ---------------------------------------------------------------- radiometry
-
-
 @pytest.mark.parametrize(("precision", "tolerance"), [("double", 1e-12), ("single", 1e-7)])
 @pytest.mark.parametrize(
     ("cut_on", "cut_off", "temperature"),
@@ -66,9 +42,6 @@ def test_radiance_of_a_uniform_scene(tmp_path, cut_on, cut_off, temperature, pre
     bench = NodeBench(LIBRARY, tmp_path, {"scene": ("test_scene", scene)}, precision=precision)
     found, expected = bench.value("scene.image"), band_radiance(cut_on, cut_off, temperature)
     assert np.abs(found / expected - 1).max() <= tolerance
-
-
-# ---------------------------------------------------------------- reference values
 
 
 @pytest.mark.skipif(

@@ -70,12 +70,8 @@ def test_behind_a_sensor():
     """At 1 cyc/mrad, magnified 5 times: 17.4532925/5 cyc/deg at the eye."""
     at_eye = 1000 * math.pi / 180 / 5
     eye = float(1 / sensitivity(at_eye, 30.0, 15.0))
-    settings = {
-        "frequency": 1.0,
-        "luminance_cd_m2": 30.0,
-        "display_deg": 15.0,
-        "magnification": 5.0,
-    }
+    settings = {"frequency": 1.0, "magnification": 5.0}
+    settings |= {"luminance_cd_m2": 30.0, "display_deg": 15.0}
     assert system_contrast_threshold(**settings, mtf=1.0) == pytest.approx(eye, rel=1e-12)
     assert system_contrast_threshold(**settings, mtf=-0.25) == pytest.approx(4 * eye, rel=1e-12)
     assert system_contrast_threshold(**settings, mtf=0.0) == np.inf

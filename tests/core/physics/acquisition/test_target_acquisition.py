@@ -101,14 +101,9 @@ def test_range_in_closed_form(beta, wanted):
     ratio = float(mp.findroot(lambda r: exact_probability(r, "2.7", "0.7") - mpf(wanted), 1))
     frequency = np.linspace(0, 50, 11)
     found = johnson_range(
-        frequency=frequency,
-        mrtd_K=0.3 * frequency,
-        delta_K=1.5,
-        target_size_m=2.3,
-        n50=3.0,
-        probability=wanted,
-        extinction_per_km=beta,
-    )
+        frequency=frequency, mrtd_K=0.3 * frequency, delta_K=1.5, target_size_m=2.3, n50=3.0,
+        probability=wanted, extinction_per_km=beta,
+    )  # fmt: skip
     clear_m = 1000 * 2.3 * 1.5 / (0.3 * ratio * 3.0)
     km = clear_m / 1000
     expected = clear_m if beta == 0 else 1000 * float(lambertw(beta * km).real) / beta

@@ -28,31 +28,16 @@ INIT = {
 NOISE = {"region": "LWIR", "d_star": 1e10, "material": "manual"}  # bandwidth 1/(2·0.5 ms)
 
 
-def sensor(
-    platform="line",
-    merit=None,
-    *,
-    noise=None,
-    seed=1,
-    detectors=1,
-    factor=0,
-    pitch_um=50.0,
-    **scene,
-):
-    """Scene, one or more apertures in a row, electronics, perhaps sums of pixels, the figures."""
+def sensor(platform="line", merit=None, *, noise=None, seed=1, **scene):
+    """Scene, aperture, electronics, the figures."""
     nodes = {
         "scene": ("test_scene", {**SCENE, **scene}),
-        "init": ("init_trans", {**INIT, "platform": platform, "detector_x_um": pitch_um}),
-        **{f"detector{k}": ("detector_mtf", {}) for k in range(detectors)},
+        "init": ("init_trans", {**INIT, "platform": platform}),
+        "detector": ("detector_mtf", {}),
         "back": ("back_transform", {}),
         "noise": ("electronics_noise", {**NOISE, **(noise or {})}),
+        "merit": ("figures_of_merit", merit or {}),
     }
-    if factor:
-        nodes["pixels"] = (
-            "combine_pixels",
-            {"factor_x": factor, "factor_y": factor, "mode": "sum"},
-        )
-    nodes["merit"] = ("figures_of_merit", merit or {})
     engine = Engine(LIBRARY)
     plan = engine.plan(linked_network(nodes, in_order(nodes, LIBRARY), seed=seed))
     assert not plan.errors(), plan.errors()
