@@ -8,10 +8,12 @@ import numpy as np
 import pytest
 
 from core.chain.engine import Engine
+from core.chain.wires import MOST_STAGES, Magnitude
 from core.errors import Cancelled, DataError, NetworkError, ParameterError, UnconnectedError
 from core.evaluation.store import Store
 from core.evaluation.work import Policy, Work
 from core.network.file import load_network
+from core.transfer.factors import Grid, Law, Separable
 from engine_bench import CHAIN, CHAIN_LINKS, LINE, Bench, network
 from nodes.library import standard_library
 
@@ -345,3 +347,37 @@ class TestDisabled:
     def test_wrong_parameters_of_a_disabled_node_are_still_errors(self, bench):
         document = disabled(network(LINE), "a").with_parameter("a", "factor", "x")
         assert [error.node for error in bench.engine.plan(document).errors()] == ["a"]
+
+
+# --- Chains of many stages on a wire: their keys, and how long they may be ---
+
+
+GRID = Grid(8, 8, 0.1, 0.1)
+
+
+def blur(frequency, sigma_mrad):
+    return np.exp(-2 * (np.pi * sigma_mrad * frequency) ** 2)
+
+
+def stage(number):
+    law = Law.of(blur, sigma_mrad=0.001 * number)
+    return Separable(x=law, y=law, node=f"n{number}")
+
+
+def test_a_key_tells_of_the_stages_and_not_of_how_they_came_together():
+    stages = tuple(stage(number) for number in range(4))
+    whole = Magnitude(None, GRID, factors=stages)
+    bare = Magnitude(None, GRID)
+    assert bare.times(*stages).key == whole.key
+    assert bare.times(*stages[:1]).times(*stages[1:3]).times(stages[3]).key == whole.key
+    assert Magnitude(None, GRID, factors=stages[:3]).times(stages[3]).key == whole.key
+    others = (stages[:3], stages[1:], (*stages[:2], stages[3], stages[2]), (*stages, stages[3]))
+    assert len({Magnitude(None, GRID, factors=other).key for other in others} | {whole.key}) == 5
+
+
+def test_a_chain_beyond_the_budget_is_refused():
+    longest = Magnitude(None, GRID, factors=(stage(1),) * MOST_STAGES)
+    with pytest.raises(
+        NetworkError, match=r"^5,001 stages in one chain; at most 5,000 are allowed$"
+    ):
+        longest.times(stage(2))
