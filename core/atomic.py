@@ -1,8 +1,6 @@
 """Files written whole or not at all, locks on them, and what dead processes have left."""
 
 import contextlib
-import functools
-import hashlib
 import os
 import re
 import secrets
@@ -24,7 +22,7 @@ def atomic_file(path: str | os.PathLike[str]) -> Iterator[Path]:
     system and writers that choose a format by suffix choose the same one. It must be closed when
     the block ends, and is flushed to the disk before the rename. When the block raises, it is
     removed and what was at `path` before is untouched. A symbolic link is followed: its target is
-    replaced. What a killed process has left in the folder is removed.
+    replaced. What killed processes have left in the folder is removed, in time.
     """
     target = _target(path)
     mode = _mode_of_existing(target)
@@ -33,7 +31,7 @@ def atomic_file(path: str | os.PathLike[str]) -> Iterator[Path]:
         yield temporary
         if mode is not None:
             temporary.chmod(mode)
-        _flush_to_disk(temporary)
+        _flush(temporary, os.O_RDWR)
         temporary.replace(target)
     except OSError as error:
         _remove(temporary)
@@ -41,7 +39,8 @@ def atomic_file(path: str | os.PathLike[str]) -> Iterator[Path]:
     except BaseException:
         _remove(temporary)
         raise
-    _flush_folder(target.parent)
+    with contextlib.suppress(OSError):  # the rename itself, where a folder can be opened
+        _flush(target.parent, os.O_RDONLY)
 
 
 def write_bytes(path: str | os.PathLike[str], content: bytes) -> None:
@@ -105,7 +104,7 @@ def _mode_of_existing(target: Path) -> int | None:
 def _create_beside(target: Path) -> Path:
     sweep(target.parent)
     # The name is cut: a target near the file system's longest name leaves no room for more.
-    name = f".{target.stem[:40]}.{new_mark()}{target.suffix}"
+    name = f".{target.stem[:40]}{FOLDER_PREFIX}{new_mark()}{target.suffix}"
     temporary = target.with_name(name)
     try:
         # Not tempfile: its files are private (0600), ours follow the umask like any other.
@@ -118,22 +117,12 @@ def _create_beside(target: Path) -> Path:
     return temporary
 
 
-def _flush_to_disk(path: Path) -> None:
-    descriptor = os.open(path, os.O_RDWR)
+def _flush(path: Path, mode: int) -> None:
+    descriptor = os.open(path, mode)
     try:
         os.fsync(descriptor)
     finally:
         os.close(descriptor)
-
-
-def _flush_folder(folder: Path) -> None:
-    """Make the rename itself durable where the system lets a folder be opened (not Windows)."""
-    with contextlib.suppress(OSError):
-        descriptor = os.open(folder, os.O_RDONLY)
-        try:
-            os.fsync(descriptor)
-        finally:
-            os.close(descriptor)
 
 
 def _remove(path: Path) -> None:
@@ -146,109 +135,48 @@ def _reason(error: OSError) -> str:
     return error.strerror or str(error) or type(error).__name__
 
 
-# Names of temporary files that carry their process, and clearing away those of dead processes.
+# What killed processes have left, and clearing it away.
 
 FOLDER_PREFIX = ".imagechain-"
 LOCK = "lock"
 """A file in a temporary folder that its process holds locked."""
-ABANDONED_S = 30 * 24 * 3600.0
-"""A folder untouched for so long is abandoned, also where its process cannot be known."""
+OLD_S, ABANDONED_S = 24 * 3600.0, 30 * 24 * 3600.0
+"""Files untouched for so long are of no living process; folders that were never locked."""
 
-_UNKNOWN = "0" * 8
-_MARK = r"([0-9a-f]{8})-([0-9]{1,10})-([0-9a-f]{8})-[0-9a-f]{8}"
-_FOLDER = re.compile(re.escape(FOLDER_PREFIX) + _MARK)
-_FILE = re.compile(r"\..*\." + _MARK + r"(\.[^.]*)?", re.DOTALL)
-_UNMARKED = re.compile(re.escape(FOLDER_PREFIX) + r"[0-9a-f]{12}")  # before folders were marked
+_MARKED = re.compile(rf"(\..*)?{re.escape(FOLDER_PREFIX)}[0-9a-f]{{16}}(\.[^.]*)?", re.DOTALL)
 
 
 def new_mark() -> str:
-    """A part of a name that no other process makes: machine, process, and a random number."""
-    return f"{_host()}-{os.getpid()}-{_digest(own_token())}-{secrets.token_hex(4)}"
+    """A part of a name that nobody else makes."""
+    return secrets.token_hex(8)
 
 
 def sweep(folder: Path) -> None:
     """Remove what dead processes of this user have left in a folder.
 
-    Only real files and folders whose names are marked are touched. What a process of another
-    machine made is left until it has not been touched for 30 days: whether that one runs is not
-    known here. What cannot be removed stays.
+    Only real files and folders whose names are marked are touched. A folder is dead when nobody
+    holds its lock, a file after a day. What cannot be removed stays.
     """
     with contextlib.suppress(OSError), os.scandir(folder) as entries:
         for entry in entries:
-            if entry.name.startswith("."):
+            if _MARKED.fullmatch(entry.name):
                 with contextlib.suppress(OSError):
                     _sweep_one(entry)
 
 
 def _sweep_one(entry: os.DirEntry[str]) -> None:
-    marked = _FOLDER.fullmatch(entry.name) or _FILE.fullmatch(entry.name)
-    if marked is None and _UNMARKED.fullmatch(entry.name) is None:
-        return
-    status = entry.stat(follow_symlinks=False)
+    status = entry.stat(follow_symlinks=False)  # of a link, above all, nothing is removed
     if hasattr(os, "geteuid") and status.st_uid != os.geteuid():
         return
-    is_folder = entry.name.startswith(FOLDER_PREFIX)
-    if not (stat.S_ISDIR if is_folder else stat.S_ISREG)(status.st_mode):
-        return  # a link, above all
-    if marked is None or marked[1] != _host():
-        dead = None
-    else:
-        dead = _is_dead(int(marked[2]), marked[3], Path(entry.path) if is_folder else None)
-    if dead is None:
-        dead = time.time() - status.st_mtime > ABANDONED_S
-    if dead and is_folder:
-        shutil.rmtree(entry.path, ignore_errors=True)
-    elif dead:
-        Path(entry.path).unlink()
-
-
-def _is_dead(pid: int, start: str, folder: Path | None) -> bool | None:
-    """Whether a process of this machine has ended; None where that cannot be known."""
-    # The lock too: machines that are copies of each other may share a drive.
-    if folder is not None and (held := is_held(folder / LOCK)) is not None:
-        return not held and (start == _UNKNOWN or _digest(start_token(pid)) != start)
-    return None if start == _UNKNOWN else _digest(start_token(pid)) != start
-
-
-@functools.cache
-def _host() -> str:
-    """The machine, and where it divides its process numbers, as containers do, which part."""
-    facts = [os.uname().nodename if hasattr(os, "uname") else os.environ.get("COMPUTERNAME", "")]
-    with contextlib.suppress(OSError):
-        facts.append(Path("/etc/machine-id").read_bytes().decode("utf-8", "replace").strip())
-    with contextlib.suppress(OSError):
-        facts.append(str(Path("/proc/self/ns/pid").readlink()))
-    return _digest("\n".join(facts))
-
-
-def _digest(text: str) -> str:
-    return hashlib.sha256(text.encode()).hexdigest()[:8] if text else _UNKNOWN
-
-
-# Telling whether a process still runs, though its number may have been given to another since.
-
-_PROC = Path("/proc")
-
-
-def start_token(pid: int) -> str:
-    """What distinguishes a process from a later one of the same number; empty where unknown."""
-    try:
-        # The program's name, in parentheses, may hold spaces and parentheses itself.
-        fields = (_PROC / str(pid) / "stat").read_bytes().rpartition(b")")[2].split()
-        boot = (_PROC / "sys/kernel/random/boot_id").read_bytes().decode("ascii").strip()
-        return f"{boot}:{fields[19].decode('ascii')}"
-    except (OSError, IndexError, ValueError):
-        return ""
-
-
-def own_token() -> str:
-    """The token of this process."""
-    return start_token(os.getpid())
-
-
-def runs(pid: int, token: str) -> bool:
-    """Whether the process of that number and token runs; False where that is unknown."""
-    return bool(token) and start_token(pid) == token
+    age = time.time() - status.st_mtime
+    if not entry.name.startswith(FOLDER_PREFIX):
+        if stat.S_ISREG(status.st_mode) and age > OLD_S:
+            Path(entry.path).unlink()
+    elif stat.S_ISDIR(status.st_mode):
+        lock = Path(entry.path, LOCK)
+        was_locked = is_held(lock) is False and lock.stat().st_size > 0
+        if was_locked or (age > ABANDONED_S and not is_held(lock)):
+            shutil.rmtree(entry.path, ignore_errors=True)
 
 
 # Locks on files that the system lets go of when their process ends, however it ends.
@@ -290,6 +218,7 @@ def take(path: Path) -> FileLock | None:
     descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o600)
     try:
         _try(descriptor)
+        os.write(descriptor, b"\n")  # an empty one is not locked yet
     except OSError:
         os.close(descriptor)
         return None

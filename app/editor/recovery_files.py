@@ -5,7 +5,6 @@ whether its process is alive. Files of such processes are left alone.
 """
 
 import json
-import os
 import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
@@ -18,7 +17,7 @@ from typing import Any
 from PySide6.QtCore import QFileSystemWatcher, QObject, QTimer, Signal
 
 from app.editor.session import Session
-from core.atomic import FileLock, is_held, own_token, runs, take, write_text
+from core.atomic import FileLock, is_held, take, write_text
 from core.editing.document import Document, mark, mark_of, rebased
 from core.editing.wiring import check_new_wires
 from core.errors import FileError, ImagechainError, NetworkError
@@ -63,8 +62,6 @@ class Autosave:
             "original": str(path.absolute()) if path is not None else None,
             "stored": document.stored if path is not None else None,
             "folder": _here() if path is None else None,
-            "pid": os.getpid(),
-            "started": own_token(),
             "time": time.time(),
             "network": format_network(network, library=document.library),
         }
@@ -140,14 +137,10 @@ def recoverable(folder: Path) -> tuple[Recovered, ...]:
 
 def _read(path: Path) -> Recovered | None:
     """What a recovery file holds; None where its process is alive, or the file is gone."""
-    held = is_held(path.with_suffix(LOCK_SUFFIX))
-    if held:
+    if is_held(path.with_suffix(LOCK_SUFFIX)):
         return None
     try:
-        content = json.loads(path.read_bytes())
-        if held is None and runs(_get(content, "pid", int), _get(content, "started", str)):
-            return None
-        return _recovered(path, content)
+        return _recovered(path, json.loads(path.read_bytes()))
     except FileNotFoundError:
         return None
     except OSError as error:

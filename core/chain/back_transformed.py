@@ -11,11 +11,9 @@ from core.chain.band_stack import (
     BandStack,
     FilteredSum,
     Row,
-    Rows,
     SteppedBands,
     WavelengthRank,
     spectral_of,
-    stacked,
     weighted_factors,
 )
 from core.chain.noise_power import NoisePower
@@ -312,9 +310,6 @@ class DeliveredBands(BandStack):
 
     def picture(self, weights: Row) -> Recipe:
         return replace(self.delivered, weights=weights)
-
-    def sums(self, weights: Rows) -> Recipe:
-        return stacked(tuple(self.picture(row) for row in weights))
 
     def means(self) -> Recipe:
         """Means of the bands before: no transfer function changes them."""

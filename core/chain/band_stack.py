@@ -77,28 +77,23 @@ class BandStack(ABC):
     def _content(self) -> tuple[object, ...]:
         """What beside the bands makes the samples."""
 
-    @abstractmethod
+    # Of the next two each is made of the other: a stack has one of its own.
+
     def sums(self, weights: Rows) -> Recipe:
         """Recipe of weighted sums of the bands, (len(weights), rows, columns)."""
+        return Step.of(_stacked, *(self.picture(row) for row in weights))
+
+    def picture(self, weights: Row) -> Recipe:
+        return Step.of(_first, self.sums((weights,)))
 
     @abstractmethod
     def means(self) -> Recipe:
         """Recipe of the mean of every band, (bands,), double."""
 
-    def picture(self, weights: Row) -> Recipe:
-        return Step.of(_first, self.sums((weights,)))
-
     def band(self, index: int) -> Recipe:
         return self.picture(tuple(float(place == index) for place in range(self.count)))
 
-    def spectrum(
-        self,
-        row: int,  # noqa: ARG002  (others have one)
-        column: int,  # noqa: ARG002
-        *,
-        rows: int = 1,  # noqa: ARG002
-        columns: int = 1,  # noqa: ARG002
-    ) -> Recipe | None:
+    def spectrum(self, row: int, column: int, *, rows: int = 1, columns: int = 1) -> Recipe | None:  # noqa: ARG002
         """Recipe of all bands of a sample, (bands,), double; NaN where it is missing.
 
         Of several `rows` and `columns` from there on it is their mean. None where every band would
@@ -142,15 +137,14 @@ class AttenuatedBands(BandStack):
         return Step.of(_with_constant, before, node=self.node, offset=self._constant(weights))
 
     def means(self) -> Recipe:
-        return Step.of(
-            _attenuated, self.before.means(), node=self.node, gain=self.gain, offset=self.offset
-        )
+        return self._applied(self.before.means())
 
     def spectrum(self, row: int, column: int, *, rows: int = 1, columns: int = 1) -> Recipe | None:
         before = self.before.spectrum(row, column, rows=rows, columns=columns)
-        if before is None:
-            return None
-        return Step.of(_attenuated, before, node=self.node, gain=self.gain, offset=self.offset)
+        return None if before is None else self._applied(before)
+
+    def _applied(self, values: Recipe) -> Recipe:
+        return Step.of(_attenuated, values, node=self.node, gain=self.gain, offset=self.offset)
 
     def _pulled(self, row: Row) -> Row:
         return tuple(float(w * g) for w, g in zip(row, self.gain, strict=True))
@@ -176,18 +170,10 @@ class SteppedBands(BandStack):
     blocks: tuple[int, int] | None = field(default=None, compare=False)
 
     @classmethod
-    def of(
-        cls,
-        before: BandStack,
-        step: Step,
-        *,
-        gain: float = 1.0,
-        blocks: tuple[int, int] | None = None,
-    ) -> "SteppedBands":
+    def of(cls, before: BandStack, step: Step, *, gain: float = 1.0, **more: Any) -> "SteppedBands":
         """Bands behind the step that the sum of them passes."""
-        waves, made = (before.centres_um, before.widths_um), (step.function, step.parameters)
-        density = before.density
-        return cls(*waves, before, *made, gain, step.node, blocks, density=density)
+        made = (before, step.function, step.parameters, gain, step.node)
+        return cls(before.centres_um, before.widths_um, *made, density=before.density, **more)
 
     def _content(self) -> tuple[object, ...]:
         return self.before.key, self.function, self.parameters
@@ -195,9 +181,6 @@ class SteppedBands(BandStack):
     @property
     def in_blocks(self) -> bool:
         return self.before.in_blocks and self.picture(self.whole).in_blocks
-
-    def sums(self, weights: Rows) -> Recipe:
-        return stacked(tuple(self.picture(row) for row in weights))
 
     def picture(self, weights: Row) -> Recipe:
         before = self.before.picture(weights)
@@ -218,11 +201,6 @@ class SteppedBands(BandStack):
     def _times_gain(self, values: Recipe) -> Recipe:
         none, gain = (0.0,) * self.count, (self.gain,) * self.count
         return Step.of(_attenuated, values, gain=gain, offset=none)
-
-
-def stacked(pictures: tuple[Recipe, ...]) -> Recipe:
-    """Recipe of several pictures as one array, (pictures, rows, columns)."""
-    return Step.of(_stacked, *pictures)
 
 
 @in_blocks()
@@ -390,7 +368,7 @@ def chosen_wavelengths(
     for band, wavelength in enumerate(centres_um):
         work.check()
         table[:, band] = transfer_at(work, factors, wavelength, xi, eta)
-    if not np.iscomplexobj(table) or not table.imag.any():
+    if not table.imag.any():
         table = np.ascontiguousarray(table.real)
     chosen = work.policy.tolerance
     tolerance = _USUAL[work.policy.precision] if chosen is None else _SHARE * chosen
@@ -410,7 +388,7 @@ def transfer_at(
 
 
 def few_wavelengths(
-    fitted: Array, judged: Array, *, tolerance: float, most: int | None = None
+    fitted: Array, judged: Array, *, tolerance: float, most: int = 1 << 30
 ) -> WavelengthRank:
     """As few columns of a table as span all others.
 
@@ -423,9 +401,7 @@ def few_wavelengths(
     # No weights leave less of a column than its distance: the largest error is a √places-th of it
     # at least. Twice that, for rounding.
     hopeless = 2.0 * tolerance * math.sqrt(fitted.shape[0])
-    for furthest, left in islice(
-        _pivots(fitted), count - 1 if most is None else min(most, count - 1)
-    ):
+    for furthest, left in islice(_pivots(fitted), min(most, count - 1)):
         order.append(furthest)
         if left > hopeless:
             continue

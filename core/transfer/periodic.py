@@ -27,12 +27,16 @@ from core.transfer.planar_blocks import Planes
 def periodic_spectrum(work: Work, image: Array) -> MeanFree:
     """Half spectrum (rows, columns // 2 + 1) of the frame less its mean."""
     mean = float(np.mean(image))
-    lines = _strips_of_lines(work, image, mean)
-    if lines is not None:
-        _each_column(work, lines, lambda block: fourier().fft(block, axis=0, overwrite_x=True))
-        return MeanFree(lines, mean)
-    values = np.subtract(image, mean, dtype=work.policy.dtype)
-    return MeanFree(fourier().rfft2(values, overwrite_x=True, workers=work.policy.workers), mean)
+    kind = np.result_type(work.policy.dtype, np.complex64)
+    lines = work.strips((image.shape[0], image.shape[1] // 2 + 1), kind)
+
+    def one(rows: slice) -> None:
+        values = np.subtract(image[rows], mean, dtype=work.policy.dtype)
+        lines[rows] = fourier().rfft(values, axis=1, overwrite_x=True)
+
+    work.for_each(one, row_blocks(image.shape))
+    _each_column(work, lines, lambda block: fourier().fft(block, axis=0, overwrite_x=True))
+    return MeanFree(lines, mean)
 
 
 def crossed_spectrum(
@@ -79,83 +83,40 @@ def periodic_filter(
     rows, columns = grid.rows // factor_y, grid.columns // factor_x
     response = PeriodicResponse(work, product, grid, factor_x, factor_y, average)
     direct, turned = _fold(work, spectrum.values, response, factor_x, factor_y)
-    flip = -np.arange(rows) % rows
-    if isinstance(direct, StripArray):
-        if isinstance(turned, StripArray):
-            for target, source in zip(direct.strips, turned.strips, strict=True):
-                np.add(target, source[flip].conj(), out=target)
-        added = spectrum.mean * product.at_zero(work)
-        return _image_of_strips(work, direct, (rows, columns), region, added)
     if turned is not None:
         # An alias beyond Nyquist is the conjugate of the mirrored frequency's value.
-        direct += turned[flip].conj()
-    image = _inverse(work, direct, (rows, columns), region)
-    require_finite(image)
-    image += np.asarray(spectrum.mean * product.at_zero(work), image.dtype)
-    return image
+        flip = -np.arange(rows) % rows
+        for target, source in zip(column_blocks(direct), column_blocks(turned), strict=True):
+            np.add(target, source[flip].conj(), out=target)
+    # All columns, then rows, each sample scaled last of all: the bits of irfft2.
+    how: dict[str, Any] = {"norm": "forward", "overwrite_x": True}
+    _each_column(work, direct, lambda block: fourier().ifft(block, axis=0, **how))
+    whole = Region(0, 0, rows, columns)
+    # Of scipy's transforms it is known that a row's bits do not depend on the other rows.
+    made = region if region is not None and backend() == "scipy.fft" else whole
+    image: Array = work.empty(made.shape)
+    scale = image.dtype.type(np.longdouble(1) / (rows * columns))
+    added = np.asarray(spectrum.mean * product.at_zero(work), image.dtype)
 
-
-def _strips_of_lines(work: Work, image: Array, mean: float) -> Any:
-    """The transforms of all rows, on disk; None where they are to be in memory."""
-    kind = np.result_type(work.policy.dtype, np.complex64)
-    half = (image.shape[0], image.shape[1] // 2 + 1)
-    if work.blocks is None or not work.blocks.disk.wants(half, kind):
-        return None
-    lines = work.blocks.disk.strips(half, kind)
-
-    def one(rows: slice) -> None:
-        values = np.subtract(image[rows], mean, dtype=work.policy.dtype)
-        lines[rows] = fourier().rfft(values, axis=1, overwrite_x=True)
+    def one(block: slice) -> None:
+        lines = slice(made.top + block.start, min(made.top + block.stop, made.bottom))
+        part = fourier().irfft(direct[lines], n=columns, axis=1, **how)
+        part = part[:, made.left : made.right] * scale
+        require_finite(part)
+        part += added
+        image[block] = part
 
     work.for_each(one, row_blocks(image.shape))
-    return lines
+    return image if region is None or made is region else region.cut(image)
 
 
-def _each_column(work: Work, lines: StripArray, transform: Callable[[Array], Array]) -> None:
+def _each_column(
+    work: Work, lines: Array | StripArray, transform: Callable[[Array], Array]
+) -> None:
     def one(block: Array) -> None:
         block[...] = transform(np.ascontiguousarray(block))
 
     work.for_each(one, column_blocks(lines))
-
-
-def _image_of_strips(
-    work: Work, lines: StripArray, shape: tuple[int, int], region: Region | None, added: float
-) -> Array:
-    """As `_inverse` and the mean, of a half spectrum on disk, which is overwritten."""
-    how: dict[str, Any] = {"norm": "forward", "overwrite_x": True}
-    _each_column(work, lines, lambda block: fourier().ifft(block, axis=0, **how))
-    rows, columns = (region or Region(0, 0, *shape)).slices
-    image: Array = work.empty((rows.stop - rows.start, columns.stop - columns.start))
-    scale = image.dtype.type(np.longdouble(1) / (shape[0] * shape[1]))
-
-    def one(block: slice) -> None:
-        wanted = slice(rows.start + block.start, min(rows.start + block.stop, rows.stop))
-        part = fourier().irfft(lines[wanted], n=shape[1], axis=1, **how)[:, columns] * scale
-        require_finite(part)
-        part += np.asarray(added, part.dtype)
-        image[block] = part
-
-    work.for_each(one, row_blocks(image.shape))
-    return image
-
-
-def _inverse(
-    work: Work, spectrum: Array, shape: tuple[int, int], region: Region | None = None
-) -> Array:
-    """The picture of a half spectrum, which is overwritten, or a region of it."""
-    workers = work.policy.workers
-    if shape == (1, 1):
-        return np.real(spectrum)
-    # Of scipy's transforms it is known that a row's bits do not depend on the other rows.
-    if region is None or backend() != "scipy.fft":
-        image = fourier().irfft2(spectrum, s=shape, overwrite_x=True, workers=workers)
-        return np.asarray(image if region is None else region.cut(image))
-    # irfft2 step by step: all columns, then rows, each sample scaled last of all.
-    how = {"norm": "forward", "overwrite_x": True, "workers": workers}
-    lines = fourier().ifft(spectrum, axis=0, **how)
-    rows, columns = region.slices
-    image = fourier().irfft(lines[rows], n=shape[1], axis=1, **how)[:, columns]
-    return np.asarray(image * image.dtype.type(np.longdouble(1) / (shape[0] * shape[1])))
 
 
 def _fold(

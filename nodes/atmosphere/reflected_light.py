@@ -7,7 +7,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from core.chain.band_stack import AttenuatedBands, BandStack, Row, Rows, stacked
+from core.chain.band_stack import AttenuatedBands, BandStack, Row
 from core.chain.step_lineage import Array, picture_step
 from core.chain.wires import Image, Table, TableData
 from core.errors import DataError
@@ -271,9 +271,6 @@ class GreyBands(BandStack):
 
     def _content(self) -> tuple[object, ...]:
         return self.image.key, self.white, self.reflectance
-
-    def sums(self, weights: Rows) -> Recipe:
-        return stacked(tuple(self.picture(row) for row in weights))
 
     def picture(self, weights: Row) -> Recipe:
         how: Any = {"white": float(np.dot(weights, self.white)), "reflectance": self.reflectance}

@@ -8,7 +8,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from core.chain.band_stack import BandStack, Row, Rows, stacked
+from core.chain.band_stack import BandStack, Row
 from core.chain.step_lineage import source_step
 from core.chain.wires import Header, Image
 from core.errors import DataError, ParameterError
@@ -257,9 +257,6 @@ class SceneBands(BandStack):
     def picture(self, weights: Row) -> Recipe:
         how = {"weights": tuple(map(float, weights)), **dict(self.drawing)}
         return Step.of(sum_drawn, self.spectra, *self.shares, node=self.node, **how)
-
-    def sums(self, weights: Rows) -> Recipe:
-        return stacked(tuple(self.picture(row) for row in weights))
 
     def means(self) -> Recipe:
         how = dict(self.drawing)

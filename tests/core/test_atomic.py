@@ -12,6 +12,7 @@ from core.atomic import (
     ABANDONED_S,
     FOLDER_PREFIX,
     LOCK,
+    OLD_S,
     atomic_file,
     new_mark,
     sweep,
@@ -190,83 +191,68 @@ def aged(path, days):
     os.utime(path, (moment, moment))
 
 
-def dead(mark):
-    """The mark of a process that has ended: the number is one too high for any."""
-    host, _, start, rest = mark.split("-")
-    return f"{host}-99999999-{start}-{rest}"
-
-
-def foreign(mark):
-    """The mark of a process of another machine."""
-    return f"{int(mark[:8], 16) ^ 1:08x}{mark[8:]}"
-
-
 def test_what_a_killed_process_leaves_is_gone_with_the_next_write(tmp_path):
     (tmp_path / "net.json").write_text("old")
     kill_program(LEAVING, str(tmp_path), says="written")
     left = names(tmp_path)
     assert len(left) == 3
-    assert all(name.startswith((".imagechain-", ".net.", "net.json")) for name in left)
+    assert all(name.startswith((".imagechain-", ".net.imagechain-", "net.json")) for name in left)
     assert (tmp_path / "net.json").read_text() == "old"
     write_text(tmp_path / "other.txt", "new")
+    (half,) = set(names(tmp_path)) - {"net.json", "other.txt"}
+    assert half.startswith(".net.imagechain-")
+    aged(tmp_path / half, OLD_S / 24 / 3600 + 1)
+    sweep(tmp_path)
     assert names(tmp_path) == ["net.json", "other.txt"]
 
 
-def test_what_a_living_process_needs_stays(tmp_path):
-    (tmp_path / f"{FOLDER_PREFIX}{new_mark()}").mkdir()
-    (tmp_path / f".net.{new_mark()}.json").touch()
-    before = names(tmp_path)
-    for path in tmp_path.iterdir():
-        aged(path, 400)
-    sweep(tmp_path)
-    assert names(tmp_path) == before
-
-
-def test_a_number_given_to_another_process_does_not_keep_it(tmp_path):
-    host, pid, start, rest = new_mark().split("-")
-    (tmp_path / f"{FOLDER_PREFIX}{host}-{pid}-{int(start, 16) ^ 1:08x}-{rest}").mkdir()
-    sweep(tmp_path)
-    assert names(tmp_path) == []
-
-
-def test_a_lock_that_is_held_keeps_it(tmp_path):
-    """As on a drive that two machines share that are copies of each other."""
-    place = tmp_path / f"{FOLDER_PREFIX}{dead(new_mark())}"
+def test_a_lock_that_is_held_keeps_a_folder(tmp_path):
+    place = tmp_path / f"{FOLDER_PREFIX}{new_mark()}"
     place.mkdir()
     lock = take(place / LOCK)
+    aged(place, 400)
     sweep(tmp_path)
     assert place.is_dir()
-    lock.let_go()
+    os.close(lock._descriptor)  # as when its process ends
     sweep(tmp_path)
     assert names(tmp_path) == []
 
 
-@pytest.mark.parametrize("name", [foreign(dead(new_mark())), "0123456789ab"], ids=["marked", "old"])
-def test_what_nobody_here_can_know_stays_for_a_month(name, tmp_path):
-    place = tmp_path / f"{FOLDER_PREFIX}{name}"
+def test_what_was_never_locked_stays_for_a_while(tmp_path):
+    """A folder may be locked in a moment, or lie where there are no locks; a file has none."""
+    place, file = (
+        tmp_path / f"{FOLDER_PREFIX}{new_mark()}",
+        tmp_path / f".net{FOLDER_PREFIX}{new_mark()}",
+    )
     place.mkdir()
-    aged(place, ABANDONED_S / 24 / 3600 - 1)
-    sweep(tmp_path)
-    assert place.is_dir()
-    aged(place, ABANDONED_S / 24 / 3600 + 1)
-    sweep(tmp_path)
-    assert names(tmp_path) == []
+    (place / LOCK).touch()
+    file.touch()
+    for path, age in ((place, ABANDONED_S), (file, OLD_S)):
+        aged(path, age / 24 / 3600 - 0.5)
+        sweep(tmp_path)
+        assert path.exists()
+        aged(path, age / 24 / 3600 + 0.5)
+        sweep(tmp_path)
+        assert not path.exists()
 
 
 def test_links_and_other_names_are_left_alone(tmp_path):
-    mark = dead(new_mark())
+    mark = new_mark()
     kept, folder = tmp_path / "kept", tmp_path / "folder"
     kept.mkdir()
     folder.mkdir()
     (kept / "work.txt").write_text("work")
     (folder / f"{FOLDER_PREFIX}{mark}").symlink_to(kept, target_is_directory=True)
-    (folder / f".net.{mark}.json").symlink_to(kept / "work.txt")
-    (folder / f".net.{mark}").mkdir()  # a folder by the name of a file
+    (folder / f".net.imagechain-{mark}.json").symlink_to(kept / "work.txt")
+    (folder / f".net.imagechain-{mark}").mkdir()  # a folder by the name of a file
     (folder / f"{FOLDER_PREFIX}{mark[:-1]}").mkdir()
     (folder / f"{FOLDER_PREFIX}{mark}0").mkdir()
     (folder / f"imagechain-{mark}").mkdir()
-    (folder / f"net.{mark}.json").touch()
+    (folder / f"net.imagechain-{mark}.json").touch()
     before = names(folder)
+    for path in folder.iterdir():
+        if not path.is_symlink():
+            aged(path, 400)
     sweep(folder)
     assert names(folder) == before
     assert (kept / "work.txt").read_text() == "work"
@@ -275,10 +261,11 @@ def test_links_and_other_names_are_left_alone(tmp_path):
 def test_a_folder_that_is_swept_takes_nothing_along_that_it_links_to(tmp_path):
     (tmp_path / "kept").mkdir()
     (tmp_path / "kept/work.txt").touch()
-    place = tmp_path / f"{FOLDER_PREFIX}{dead(new_mark())}"
+    place = tmp_path / f"{FOLDER_PREFIX}{new_mark()}"
     place.mkdir()
     (place / "link").symlink_to(tmp_path / "kept", target_is_directory=True)
     os.mkfifo(place / LOCK)  # opening it would wait
+    aged(place, 400)
     sweep(tmp_path)
     assert names(tmp_path) == ["kept"]
     assert names(tmp_path / "kept") == ["work.txt"]
@@ -286,8 +273,9 @@ def test_a_folder_that_is_swept_takes_nothing_along_that_it_links_to(tmp_path):
 
 @pytest.mark.skipif(os.geteuid() != 0, reason="only root may give files away")
 def test_what_another_user_left_stays(tmp_path):
-    place = tmp_path / f"{FOLDER_PREFIX}{dead(new_mark())}"
+    place = tmp_path / f"{FOLDER_PREFIX}{new_mark()}"
     place.mkdir()
+    aged(place, 400)
     shutil.chown(place, 65534)
     sweep(tmp_path)
     assert place.is_dir()

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from battery_settings import EXAMPLES, NEUTRAL
 from child_process import ROOT
-from core.chain.engine import Engine, transfer_plane
+from core.chain.engine import Engine
 from core.chain.wires import Image, transfer_plane
 from core.errors import ImagechainError, ParameterError
 from core.evaluation.recipes import Step, content_key

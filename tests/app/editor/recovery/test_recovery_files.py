@@ -1,12 +1,11 @@
 """Recovery files as they may be found: without locks, damaged, strange, among other files."""
 
 import json
-import os
 
 import pytest
 
 from app.editor.recovery_files import recoverable
-from core.atomic import own_token, take
+from core.atomic import take
 from core.errors import NetworkError
 from core.network.network import Network
 
@@ -19,8 +18,7 @@ def folder(tmp_path):
 def left_behind(folder, name="0123", **changes):
     """A recovery file without a lock, as on a file system that knows none."""
     fields = {
-        "format": "imagechain-recovery", "version": 1, "original": None, "pid": os.getpid(),
-        "started": "another process", "time": 1e9,
+        "format": "imagechain-recovery", "version": 1, "original": None, "time": 1e9,
         "network": '{"format": "imagechain-network", "version": 1, "nodes": {}}',
     }  # fmt: skip
     folder.mkdir(parents=True, exist_ok=True)
@@ -29,21 +27,16 @@ def left_behind(folder, name="0123", **changes):
     return file
 
 
-def test_a_living_process_is_told_by_its_lock_else_by_number_and_start(folder, library):
-    """Numbers of processes in a container say nothing outside of it."""
-    file = left_behind(folder)  # no lock: of a number alone nothing is told
+def test_a_living_process_is_told_by_its_lock(folder, library):
+    file = left_behind(folder)
     (work,) = recoverable(folder)
     assert work.document(library).network == Network()
     lock = take(file.with_suffix(".lock"))
     assert lock is not None
     assert recoverable(folder) == ()
     lock.let_go()
-    left_behind(folder, started=own_token())
     file.with_suffix(".lock").touch()
     assert len(recoverable(folder)) == 1
-    file.with_suffix(".lock").unlink()
-    left_behind(folder, started=own_token())
-    assert recoverable(folder) == ()
 
 
 @pytest.mark.parametrize("content", [b"{", b"[" * 200_000])
