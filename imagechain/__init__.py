@@ -52,8 +52,7 @@ if TYPE_CHECKING:
     from imagechain.building.chain_state import ChainNode
     from imagechain.building.chain_study import study
     from imagechain.building.measure_pictures import FittedChain, MeasuredPictures, fit, measure
-    from imagechain.parts.module_part import Expression, Part, part, preset, presets
-    from imagechain.parts.scene_array import scene
+    from imagechain.parts.module_part import Expression, Part, part, preset, presets, scene
     from imagechain.results.chain_result import Result
     from imagechain.results.tables import Picture, ReadoutTable, StageCurves, StudyTable
 
@@ -112,8 +111,7 @@ _NAMES = {
     "imagechain.building.chain_state": "ChainNode",
     "imagechain.building.chain_study": "study",
     "imagechain.building.measure_pictures": "FittedChain MeasuredPictures fit measure",
-    "imagechain.parts.module_part": "Expression Part part preset presets",
-    "imagechain.parts.scene_array": "scene",
+    "imagechain.parts.module_part": "Expression Part part preset presets scene",
     "imagechain.results.chain_result": "Result",
     "imagechain.results.tables": "Picture ReadoutTable StageCurves StudyTable",
 }

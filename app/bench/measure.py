@@ -7,9 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import erf
 
-from app.bench.chains import sensor_network
 from app.bench.tables import Table, judged
-from app.bench.timing import SIZE, Settings, repeated
+from app.bench.timing import SIZE, Settings, repeated, sensor_network
 from app.fit.fit_result import FitResult
 from app.fit.free_parameter import free_parameters
 from app.fit.picture_fit import FittedPictures, fit_pictures

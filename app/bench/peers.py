@@ -16,9 +16,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from app.bench.chains import Chain, sensor_network
 from app.bench.tables import T0_HEADS, Chart, Table
-from app.bench.timing import Settings, paired, round_trip, seconds
+from app.bench.timing import Chain, Settings, paired, round_trip, seconds, sensor_network
 from app.bench.truth import Sensor
 from app.run.terminal import version
 from core.evaluation.work import Policy, Precision

@@ -10,9 +10,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.bench import truth
-from app.bench.chains import PIXELS, Chain, Kodak, sensor_network
 from app.bench.tables import T0_HEADS, Chart, Table, figure_text
-from app.bench.timing import Settings, paired, round_trip, seconds
+from app.bench.timing import (
+    PIXELS,
+    Chain,
+    Kodak,
+    Settings,
+    paired,
+    round_trip,
+    seconds,
+    sensor_network,
+)
 from core.chain.back_transformed import Delivered
 from core.chain.random_fields import Stream, normal_field, poisson_field
 from core.evaluation.work import Policy, Precision

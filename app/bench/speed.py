@@ -10,9 +10,21 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from app.bench.chains import FINAL, KODAK, PIXELS, SHIPPED_SIZE, Chain, Kodak
 from app.bench.tables import Chart, Table, judged
-from app.bench.timing import Settings, environment, paired, repeated, round_trip, seconds
+from app.bench.timing import (
+    FINAL,
+    KODAK,
+    PIXELS,
+    SHIPPED_SIZE,
+    Chain,
+    Kodak,
+    Settings,
+    environment,
+    paired,
+    repeated,
+    round_trip,
+    seconds,
+)
 from app.run.terminal import command
 from core.errors import several
 

@@ -10,9 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from app.bench.chains import sensor_network
 from app.bench.tables import Table, verdict
-from app.bench.timing import Settings
+from app.bench.timing import Settings, sensor_network
 from app.study.study_request import StudyRows, run_study
 from app.study.study_rows import Workers
 from core.chain.engine import Engine

@@ -1,4 +1,4 @@
-"""How time is measured: a subject and the bare Fourier round trip T0 in turn, median of ratios."""
+"""What is timed and how: a subject and the bare Fourier round trip T0 in turn, median of ratios."""
 
 import os
 import platform
@@ -7,6 +7,7 @@ import sys
 import time
 from collections.abc import Callable, Mapping
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import scipy
@@ -14,11 +15,18 @@ import scipy.fft
 from numpy.typing import NDArray
 
 from app.run import terminal
+from app.run.shipped import find_network
 from app.run.terminal import versions
+from core.chain.engine import Engine, Plan
 from core.errors import UsageError
+from core.evaluation.store import Store
+from core.evaluation.work import Policy, Precision
 from core.machine import physical_bytes
+from core.network.file import load_network
+from core.network.network import Link, Network, Node
 from core.records import dataclass
 from core.transfer.periodic import backend
+from nodes.library import standard_library
 
 Array = NDArray[Any]
 Seconds = Callable[[], float]
@@ -147,3 +155,150 @@ def _processor() -> str:
         lines = []
     names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
     return names[0] if names else platform.machine()
+
+
+SCENE = "scene.image"
+KODAK = "kodak_kir310"
+PIXELS, FINAL = "pixels.image", "frame_grabber.image"
+SHIPPED_SIZE, GRABBER_LINES = 1024, 486
+Nodes = Mapping[str, tuple[str, Mapping[str, Any]]]
+
+
+class SceneStore(Store):
+    """A store that keeps one value whatever happens: the picture a run starts with."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._held: dict[str, Any] = {}
+
+    def hold(self, key: str, value: Any) -> None:
+        self._held[key] = value
+
+    def peek(self, key: str, default: Any = None) -> Any:
+        held = self._held.get(key)
+        return super().peek(key, default) if held is None else held
+
+    def keys(self) -> set[str]:
+        with self._lock:
+            return set(self._values)
+
+    def forget_all_but(self, keys: set[str]) -> None:
+        with self._lock:
+            for key in [key for key in self._values if key not in keys]:
+                self._bytes -= self._values.pop(key)[1]
+
+
+class Chain:
+    """An engine, a network and its scene; whatever is timed returns its own seconds."""
+
+    def __init__(self, network: Network, policy: Policy, scene: Any = None) -> None:
+        self.network = network
+        self.policy = policy
+        self.store = SceneStore()
+        self.engine = Engine(standard_library(), self.store)
+        self.work = self.engine.work(policy)
+        self.scene = self.value(network, SCENE) if scene is None else scene.astype(policy.dtype)
+        self._key = f"{self.engine.plan(network).output(SCENE).recipe.key}/{policy.key}"
+        self.take(self.scene)
+        self.store.clear()
+        self._edits = 0
+
+    def take(self, scene: Any) -> None:
+        """Begin with another picture from now on."""
+        self.store.hold(self._key, scene)
+
+    def value(self, network: Network, port: str) -> Any:
+        return self.engine.value(self.engine.plan(network), port, self.work)
+
+    def left_by(self, port: str) -> set[str]:
+        """Keys of what a port's value leaves in an empty store."""
+        self.store.clear()
+        self.value(self.network, port)
+        return self.store.keys()
+
+    def cold(self, network: Network, port: str, readouts: tuple[str, ...] = ()) -> float:
+        self.store.clear()
+        start = time.perf_counter()
+        plan = self.engine.plan(network)
+        self.engine.value(plan, port, self.work)
+        for node in readouts:
+            self.engine.readouts(plan, node, self.work)
+        return time.perf_counter() - start
+
+    def edited(
+        self, port: str, known: set[str], edit: tuple[str, str, tuple[Any, ...]] | None = None
+    ) -> float:
+        """Seconds to a port's value with what is `known`, of `left_by`, and all else forgotten."""
+        self.store.forget_all_but(known)
+        network = self.network
+        if edit is not None:
+            node, parameter, values = edit
+            self._edits += 1
+            value = values[self._edits % len(values)]
+            network = network.with_parameter(node, parameter, value)
+        return self.looked_at_again(port, self.engine.plan(self.network), network)
+
+    def looked_at_again(self, port: str, before: Plan, network: Network) -> float:
+        start = time.perf_counter()
+        plan = self.engine.plan(network, previous=before)
+        self.engine.value(plan, port, self.work)
+        return time.perf_counter() - start
+
+
+class Kodak(Chain):
+    """The Kodak KIR-310 network, its scene of `size`² samples."""
+
+    def __init__(
+        self, size: int, precision: Precision = "single", scene: Any = None, threads: int = 0
+    ) -> None:
+        super().__init__(kodak_network(size), Policy(precision, threads=threads), scene)
+
+    def without_photons(self) -> Network:
+        return self.network.with_parameter("photons", "percent", 0.0)
+
+
+def kodak_network(size: int) -> Network:
+    """The shipped network at another size of its scene, its frame grabber in proportion."""
+    network = load_network(find_network(KODAK).path, library=standard_library())
+    lines = max(1, round(size * GRABBER_LINES / SHIPPED_SIZE))
+    for node, width, height in (("scene", size, size), ("frame_grabber", size // 2, lines)):
+        network = network.with_parameter(node, "width", width)
+        network = network.with_parameter(node, "height", height)
+    return network
+
+
+def sensor_network(
+    scene: tuple[str, Mapping[str, Any]],
+    init: Mapping[str, Any],
+    stages: Nodes,
+    behind: Nodes = MappingProxyType({}),
+    disc: tuple[float, float] | None = None,
+) -> Network:
+    """Scene, MTFs in turn, picture, and what makes pictures of it.
+
+    `init` has the parameters of the sensor; `stages` are the MTFs between `init` and `back`,
+    `behind` what takes the image from there; `disc` is the diameter (mm) and the wavelength (µm) of
+    a clear aperture before all stages: of a pupil `pupil` the MTF `optics`.
+    """
+    nodes: dict[str, tuple[str, Mapping[str, Any]]] = {"scene": scene, "init": ("init_trans", init)}
+    links = [(SCENE, "init.image"), ("init.phase", "back.phase")]
+    if disc is not None:
+        side_cm, wavelength = 0.2 * disc[0], disc[1]
+        optics = {"cut_on_um": wavelength, "cut_off_um": wavelength}
+        optics |= {"size_x_cm": side_cm, "size_y_cm": side_cm}
+        nodes["pupil"] = ("exit_pupil", {"size_x": 512, "size_y": 512, "radius": 128.0})
+        stages = {"optics": ("exit_pupil_mtf", optics), **stages}
+        links += [("pupil.pupil", "optics.pupil"), ("init.phase", "optics.phase")]
+    before = "init"
+    for stage in stages:
+        links += [("init.context", f"{stage}.context")]
+        links += [(f"{before}.magnitude", f"{stage}.magnitude")]
+        before = stage
+    links.append((f"{before}.magnitude", "back.magnitude"))
+    nodes |= {**stages, "back": ("back_transform", {}), **behind}
+    for node in behind:
+        links += [("back.image", f"{node}.image"), ("init.context", f"{node}.context")]
+    return Network(
+        nodes={name: Node(name, key, dict(params)) for name, (key, params) in nodes.items()},
+        links=tuple(Link.between(*link) for link in links),
+    )

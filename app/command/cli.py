@@ -18,8 +18,7 @@ from core.errors import Cancelled, ImagechainError, InputError, Suspended, Usage
 
 # The commands, each a function, by the file that it is in.
 _FILES = {
-    "edit": ["edit"],
-    "run_commands": ["run", "check"],
+    "run_commands": ["edit", "run", "check"],
     "study_commands": ["tradeoff", "study", "solve"],
     "camera_commands": ["measure", "fit", "photon-transfer", "netd"],
     "library_commands": ["networks", "modules", "presets", "bench", "handbook"],

@@ -20,7 +20,7 @@ from app.run.shipped import Place
 from app.run.staging import Staging, WriteRecord, WriteRules, check_folder, read_record, real_target
 from app.run.terminal import too_late, warning_lines
 from app.run.transfer_chain import find_output
-from app.tradeoff.tradeoff_drawing import trade_off_content
+from app.study.study_drawing import trade_off_content
 from app.tradeoff.tradeoff_results import default_figures, shown_value, trade_off
 from core.atomic import write_text
 from core.chain.engine import Engine, realize

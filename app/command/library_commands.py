@@ -22,7 +22,7 @@ from core.modules.declaration import Declaration, package_of, ports_text, where_
 from core.modules.parameters import Parameter, plain
 
 if TYPE_CHECKING:
-    from app.bench import Measured
+    from app.bench.tables import Measured
     from app.run.preset_files import Preset
 
 BENCH_PARTS = ("speed", "precision", "peers", "studies", "measure")
@@ -286,7 +286,7 @@ def bench(
     size: int | None,
 ) -> None:
     """Measure run time against error. The unit is a bare Fourier round trip."""
-    from app.bench import PARTS, bench_page, measured
+    from app.bench.tables import PARTS, bench_page, measured
     from app.bench.timing import SIZE, Settings, isolate
     from app.run.terminal import json_text
 

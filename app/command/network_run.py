@@ -8,7 +8,7 @@ from typing import Any
 
 from app.run import evaluation as run
 from app.run import saving
-from app.run.figures import Figure, figure_rows
+from app.run.evaluation import Figure, figure_rows
 from app.run.option_values import Save
 from app.run.overrides import near
 from app.run.staging import Staging, WriteRules, existing_folder

@@ -60,7 +60,7 @@ def tradeoff(
     from app.command.network_run import input_files
     from app.run.overrides import OPTION, variations
     from app.run.terminal import warned_points
-    from app.tradeoff.tradeoff_drawing import failures, table, trade_off_content, trade_off_facts
+    from app.study.study_drawing import failures, table, trade_off_content, trade_off_facts
     from app.tradeoff.tradeoff_results import Results, chosen_figures, shown_value, trade_off
     from core.chain.engine import Engine
 

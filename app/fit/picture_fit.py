@@ -14,8 +14,7 @@ from app.fit.fit_result import FitResult, NoiseComparison, result_of
 from app.fit.free_parameter import FreeParameter
 from app.measure.measurement_text import file_warnings, in_words
 from app.measure.measuring import measured_file, refuse_small
-from app.measure.picture_loading import PictureFile, common_limits, open_picture
-from app.measure.picture_measurement import WITH_LOSS
+from app.measure.picture_measurement import WITH_LOSS, PictureFile, common_limits, open_picture
 from app.tradeoff.tradeoff_results import with_value
 from core.chain.engine import Engine, Plan
 from core.chain.wires import Image

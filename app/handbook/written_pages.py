@@ -17,9 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.handbook import example_figures as figures
-from app.handbook.example_figures import picture
+from app.handbook.example_figures import picture, published_camera
 from app.handbook.markdown_text import FormulaError, anchor_of, formula_svg, rendered
-from app.handbook.published_cameras import published_camera
 from app.report.html_page import templates
 from app.run.option_values import assignment
 from app.run.overrides import with_settings

@@ -8,7 +8,6 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from app.measure import picture_loading as loading
 from app.measure import picture_measurement as results
 from app.measure.measurement_text import exceeds_one, in_words
 from core.errors import DataError, ParameterError
@@ -63,8 +62,8 @@ def measure_files(
     report: Report = lambda _text: None,
 ) -> results.PictureMeasurement:
     """Measure pictures, or files of frames, of one camera; `dark` frames replace `offset_dn`."""
-    files = [loading.open_picture(path, band=band) for path in pictures]
-    loading.same_size(files)
+    files = [results.open_picture(path, band=band) for path in pictures]
+    results.same_size(files)
     first = files[0]
     x, y = first.interval_x_mrad, first.interval_y_mrad
     if fov_x_deg is not None:
@@ -76,7 +75,7 @@ def measure_files(
     source = Source(
         tuple(measured_file(file) for file in files),
         (picture for file in files for picture in file.pictures()),
-        first.rows, first.columns, first.unit, x, y, loading.common_limits(files), offset_dn,
+        first.rows, first.columns, first.unit, x, y, results.common_limits(files), offset_dn,
     )  # fmt: skip
     measured = measure_pictures(source, check=check, report=report)
     return replace(measured, pitch_um=pitch)
@@ -207,7 +206,7 @@ def _with_reason(
     return replace(measured, edges=tuple(edges), x=x, y=y, reason_x=reason_x, reason_y=reason_y)
 
 
-def measured_file(file: loading.PictureFile) -> results.MeasuredFile:
+def measured_file(file: results.PictureFile) -> results.MeasuredFile:
     return results.MeasuredFile(str(file.path), file.frames, file.taken, file.gamma, file.is_lossy)
 
 
@@ -227,7 +226,7 @@ def _frames(taken: SceneFrames | None, offset_dn: float) -> tuple[FramesNoise | 
     return measured, ""
 
 
-def _dark_level(path: Path, first: loading.PictureFile, check: Callable[[], None]) -> float:
+def _dark_level(path: Path, first: results.PictureFile, check: Callable[[], None]) -> float:
     dark = open_frames(path)
     if (dark.rows, dark.columns) != (first.rows, first.columns):
         raise DataError(

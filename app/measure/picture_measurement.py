@@ -1,16 +1,25 @@
-"""What a measurement of pictures has given, as values that never change."""
+"""Pictures to measure, read from files frame by frame, and what a measurement has given."""
 
-from collections.abc import Sequence
-from typing import Literal
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from core.errors import DataError, UsageError
 from core.physics.measurement import edge_mtf
 from core.physics.measurement.found_edge import FoundEdge
 from core.physics.measurement.picture_noise import FramesNoise
 from core.physics.measurement.sample_noise import LevelVariance
+from core.physics.sampling.detector_sampling import interval_mrad
 from core.records import dataclass
+from nodes.files.arrays import npy_header
+from nodes.files.formats import NPY, TIFF, check_finite, format_of, read_info, read_pixels
+from nodes.files.frames import FrameFile, open_frames, tiff_pages
+from nodes.files.picture_info import PictureInfo
+from nodes.files.stored_bytes import readable_file
+from nodes.input_output.source_file import LUMINANCE
 
 Gamma = Literal["", "possible", "usual"]
 
@@ -145,3 +154,185 @@ def file_of(files: Sequence[MeasuredFile], number: int) -> tuple[MeasuredFile, i
             return file, number
         number -= file.frames
     raise IndexError(number)
+
+
+Matrix = NDArray[np.float64]
+
+NO_DATA = "replace these samples with one number, such as 0; constant areas are not measured"
+_COLOURS = ("R", "G", "B")
+_WITH_ALPHA = 2  # bands
+_FLAT = 2  # dimensions of a single picture
+_STACKS = ("envi", "fits")  # formats whose bands are no colours
+# Formats whose numbers of 8 bits follow the eye, not the light; of TIFF some do.
+_ENCODED = ("jpeg", "jpeg2000", "png", "bmp", "webp", "gif")
+_PERHAPS_ENCODED = ("tiff",)
+
+
+@dataclass(frozen=True)
+class PictureFile:
+    path: Path  # as it was given
+    # size of a frame, and how many there are
+    rows: int
+    columns: int
+    frames: int
+    # the one that is measured; None: luminance of a colour picture, or the only one
+    band: int | None
+    taken: str  # what of a file of several bands is measured, in words; empty where there is one
+    unit: str  # of the samples as the file words it, or empty
+    # between samples, by the header's field of view
+    interval_x_mrad: float | None
+    interval_y_mrad: float | None
+    # least and largest number of samples that are stored as whole numbers; None of others
+    limits: tuple[float, float] | None
+    # whether numbers of such a file follow the eye instead of the light, usually or possibly
+    gamma: Gamma = ""
+    is_lossy: bool = False  # whether the format leaves out what the eye would not miss
+    is_stack: bool = False  # whether it holds frames, were it a single one
+    # ends of the band that is measured, where the header has its wavelength
+    band_um: tuple[float, float] | None = None
+
+    def pictures(self) -> Iterator[Matrix]:
+        """The frames in turn, in double precision."""
+        if self.frames > 1 or self.is_stack:
+            for frame in open_frames(self.path).each():
+                yield np.asarray(frame, np.float64)
+            return
+        if self.band is None and self.taken:
+            yield self._luminance()
+            return
+        samples = read_pixels(self.path, self.band or 0)
+        check_finite(samples, str(self.path), advice=NO_DATA)
+        yield np.asarray(samples, np.float64)
+
+    def _luminance(self) -> Matrix:
+        picture = np.zeros((self.rows, self.columns))
+        for band, share in enumerate(LUMINANCE):
+            samples = read_pixels(self.path, band)
+            check_finite(samples, f"{self.path}, band {band}", advice=NO_DATA)
+            picture += share * samples
+        return picture
+
+
+class BandsError(UsageError):
+    """A file with several bands, of which none is named; `what` says so without a remedy."""
+
+    def __init__(self, path: Path, bands: int) -> None:
+        self.what = f"{path} has {bands} bands"
+        super().__init__(
+            f"{self.what}: choose the band to measure, 0 to {bands - 1}", hint="give --band"
+        )
+
+
+def open_picture(path: Path, *, band: int | None = None) -> PictureFile:
+    """Describe a file to be measured without reading its samples.
+
+    `band` counts from 0; without it luminance of colours, and the frames of a file whose bands have
+    no wavelengths.
+    """
+    file = readable_file(path)
+    if format_of(file) is NPY and band is None:
+        frames = open_frames(file)  # of three dimensions they are frames, and no picture
+        return _of_frames(path, frames, None)
+    info = read_info(file)
+    if band is None and not info.channels and info.wavelengths_um is None and _may_be_frames(info):
+        return _of_frames(path, open_frames(file), info)
+    chosen, taken = _chosen(path, info, band)
+    x, y = _intervals(info)
+    dtype = np.dtype(info.dtype)
+    return PictureFile(
+        path, info.rows, info.columns, 1, chosen, taken, info.unit or "", x, y, limits_of(dtype),
+        gamma=_gamma(info), is_lossy=info.lossy, band_um=_band_um(info, chosen),
+    )  # fmt: skip
+
+
+def _band_um(info: PictureInfo, band: int | None) -> tuple[float, float] | None:
+    if band is None or info.wavelengths_um is None:
+        return None
+    centre, half = info.wavelengths_um[band], 0.5 * (info.fwhm_um[band] if info.fwhm_um else 0.0)
+    return centre - half, centre + half
+
+
+def _gamma(info: PictureInfo) -> Gamma:
+    if info.dtype != "uint8":
+        return ""
+    if info.kind in _ENCODED:
+        return "usual"
+    return "possible" if info.kind in _PERHAPS_ENCODED else ""
+
+
+def _may_be_frames(info: PictureInfo) -> bool:
+    """Whether there is more than one frame: bands of ENVI, pages of TIFF."""
+    if info.kind == "envi":
+        return info.bands > 1
+    return TIFF.matches(info.path) and tiff_pages(info.path) > 1
+
+
+def _of_frames(path: Path, frames: FrameFile, info: PictureInfo | None) -> PictureFile:
+    x, y = (None, None) if info is None else _intervals(info)
+    return PictureFile(
+        path, frames.rows, frames.columns, frames.frames, 0, "", frames.unit or "", x, y,
+        limits_of(frames.dtype),
+        gamma="" if info is None else _gamma(info), is_lossy=info is not None and info.lossy,
+        is_stack=frames.kind == "npy" and len(npy_header(frames.path).shape) > _FLAT,
+    )  # fmt: skip
+
+
+def _chosen(path: Path, info: PictureInfo, band: int | None) -> tuple[int | None, str]:
+    """The band that is measured, or None for luminance, and the words for it."""
+    if band is not None:
+        if not 0 <= band < info.bands:
+            allowed = "only 0" if info.bands == 1 else f"0 to {info.bands - 1}"
+            raise UsageError(f"{path} has no band {band}; allowed: {allowed}")
+        if info.bands == 1:
+            return 0, ""
+        name = f" ({info.channels[band]})" if info.channels else ""
+        return band, f"band {band}{name} of {info.bands}"
+    if info.bands == 1:
+        return 0, ""
+    if info.channels[:3] == _COLOURS:
+        shares = map("{} {}".format, LUMINANCE, _COLOURS)
+        return None, f"luminance, {' + '.join(shares)}"
+    if info.bands == _WITH_ALPHA and not info.channels and info.kind not in _STACKS:
+        return 0, "grey, without the transparency channel"
+    raise BandsError(path, info.bands)
+
+
+def _intervals(info: PictureInfo) -> tuple[float | None, float | None]:
+    """Angles between samples, mrad, of a header that has the field of view."""
+    x, y = (
+        None if fov is None else interval_mrad(fov_deg=fov, samples=samples)
+        for fov, samples in ((info.fov_x_deg, info.columns), (info.fov_y_deg, info.rows))
+    )
+    return x, y
+
+
+def limits_of(dtype: np.dtype[Any]) -> tuple[float, float] | None:
+    """Ends of the whole numbers that can be stored; None of others."""
+    if dtype.kind == "b":
+        return 0.0, 1.0
+    if dtype.kind not in "ui":
+        return None
+    return float(np.iinfo(dtype).min), float(np.iinfo(dtype).max)
+
+
+def same_size(files: Sequence[PictureFile]) -> None:
+    first = files[0]
+    for file in files:
+        if (file.rows, file.columns) != (first.rows, first.columns):
+            raise DataError(
+                f"{file.path} has {file.columns} × {file.rows} samples, but {first.path} has "
+                f"{first.columns} × {first.rows}: give pictures from one camera"
+            )
+
+
+def common_limits(files: Sequence[PictureFile]) -> tuple[float, float] | None:
+    """Ends of the numbers of all files; None where not all are whole numbers."""
+    known = [(file.path, file.limits) for file in files if file.limits is not None]
+    for path, (low, high) in known:
+        first, ends = known[0]
+        if (low, high) != ends:
+            raise DataError(
+                f"{path} stores whole numbers from {low:g} to {high:g}, but {first} from "
+                f"{ends[0]:g} to {ends[1]:g}: give pictures from one camera, stored the same way"
+            )
+    return known[0][1] if len(known) == len(files) else None

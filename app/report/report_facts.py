@@ -10,8 +10,7 @@ from app.report.drawing.curves import curve_facts
 from app.report.drawing.picture_drawing import drawn_as
 from app.report.edge_measurement import judged_facts
 from app.report.spectra import spectrum_facts
-from app.run.evaluation import Evaluation
-from app.run.figures import main_figures
+from app.run.evaluation import Evaluation, main_figures
 from app.run.terminal import json_text, versions
 from app.run.transfer_chain import StageResponse, at_nyquist, ending_images
 from core.atomic import write_text

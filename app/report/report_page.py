@@ -30,8 +30,7 @@ from app.report.html_page import (
     of_many,
 )
 from app.report.spectra import spectrum
-from app.run.evaluation import Evaluation, reduced, way_in_words
-from app.run.figures import Figure, figure_rows
+from app.run.evaluation import Evaluation, Figure, figure_rows, reduced, way_in_words
 from app.run.terminal import four_digits, sized
 from app.run.transfer_chain import Responses
 from core.chain.engine import realize

@@ -1,28 +1,315 @@
-"""A study as a picture: curves of one parameter, heat maps of two, scatter plots of more."""
+"""Trade-offs and studies as pictures, as pages and as text."""
 
 import math
 import statistics
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeGuard
 
 import numpy as np
 from numpy.typing import NDArray
 
-from app.report.drawing.picture_drawing import COLOURS, figure, number
+from app.report.drawing.picture_drawing import (
+    COLOURS,
+    by_rows,
+    family_colours,
+    figure,
+    legend_columns,
+    legend_height_in,
+    number,
+)
 from app.report.html_page import Block, Drawn, Grid, Heading, html_page
-from app.run.overrides import Variation
-from app.run.terminal import warned_points, with_unit
+from app.run import terminal as tables
+from app.run.overrides import Variation, is_number
+from app.run.terminal import columns, warned_points, with_unit
 from app.study.study_request import StudyRows
-from app.tradeoff import tradeoff_drawing as drawing
-from app.tradeoff.tradeoff_results import ROUNDING
+from app.tradeoff.tradeoff_results import ROUNDING, Figure, Point, Results, shown_value
 from core.atomic import write_bytes, write_text
 from core.errors import printable, several
-from nodes.files.formats import PNG
+from nodes.files.file_format import CSV, JSON, PNG
+from nodes.files.table_cells import csv_lines
+
+_ACROSS = 3
+LOG_FROM = 100.0  # the largest over the smallest value, from which on decades are shown
+_LONGEST = 28  # letters of a line of a title
+_FAILED = "#b3261e"
+_MOST_MARKED = 40  # points that still stand apart
+_MOST_NAMES = 12
+Curve = tuple[str, Sequence[Any], Sequence[Sequence[float | None]]]
+"""A curve's name, the values along it, and at these every figure."""
+
+
+def trade_off_content(results: Results, path: Path) -> str | bytes:
+    if CSV.matches(path):
+        return printable(csv_text(results))
+    if JSON.matches(path):
+        return tables.json_text(trade_off_facts(results), indent=1)
+    return trade_off_png(results) if PNG.matches(path) else printable(page(results))
+
+
+def trade_off_png(results: Results) -> bytes:
+    """The picture; gaps where figures have no value, a dashed line at the present value."""
+    second = results.second
+    curves = []
+    for value, points in results.curves:
+        heights = [[p.figures.get(shown.text) for p in points] for shown in results.figures]
+        name = "" if second is None else shown_value(value)
+        curves.append((name, [point.value for point in points], heights))
+    title = "" if second is None else second.title
+    return curves_png(results.figures, results.varied, curves, title, present=results.present)
+
+
+def curves_png(
+    figures: Sequence[Figure],
+    along: Variation,
+    curves: Sequence[Curve],
+    title: str = "",
+    *,
+    note: str = "",
+    present: Any = None,
+) -> bytes:
+    """Each figure in a panel of its own; `title` is that of the curves' names."""
+    across = min(_ACROSS, len(figures))
+    down = -(-len(figures) // across)
+    width = max(4.6, 3.4 * across)
+    names = [name for name, *_ in curves if title]
+    legend = legend_height_in(names, width) if names else 0.0
+    marked = along.is_numeric and is_number(present)
+    marked = marked and min(along.values) <= present <= max(along.values)
+    with figure(width, 2.3 * down + 0.3 + legend) as (drawn, out):
+        say(drawn, note)
+        panels = drawn.subplots(down, across, squeeze=False, sharex=True).ravel()
+        for place, (panel, shown) in enumerate(zip(panels, figures, strict=False)):
+            set_title(panel, shown)
+            _draw(panel, along, [(name, at, heights[place]) for name, at, heights in curves])
+            if marked:
+                panel.axvline(present, color="#555555", linewidth=0.9, linestyle="--", zorder=1)
+            if place + across >= len(figures):
+                panel.tick_params(labelbottom=True)
+                panel.set_xlabel(along.title)
+        for panel in panels[len(figures) :]:
+            panel.set_visible(False)
+        if names:
+            handles = [line for line in panels[0].get_lines() if line.get_label()[0] != "_"]
+            count = legend_columns(names, width)
+            how = {"handles": by_rows(handles, count), "ncols": count, "title": title}
+            drawn.legend(**how, loc="outside lower center", fontsize=8.5)
+    return out.getvalue()
+
+
+def _draw(panel: Any, along: Variation, curves: Sequence[tuple[str, Any, Any]]) -> None:
+    ranks = ranks_of(along)
+    every = []
+    for colour, (name, values, figures) in zip(family_colours(len(curves)), curves, strict=True):
+        places = [value if along.is_numeric else ranks[value] for value in values]
+        heights = [height if is_finite(height) else math.nan for height in figures]
+        every += heights
+        gaps = [place for place, height in zip(places, heights, strict=True) if math.isnan(height)]
+        if gaps:  # at the bottom, so that the axis reaches the values that failed too
+            low = panel.get_xaxis_transform()
+            panel.plot(gaps, [0.0] * len(gaps), "x", transform=low, color=_FAILED, clip_on=False)
+        marker = "o" if len(places) <= _MOST_MARKED or not along.is_numeric else ""
+        style = "-" if along.is_numeric else ":"
+        look = {"marker": marker, "markersize": 3, "color": colour, "label": name or "_"}
+        panel.plot(places, heights, style, **look)
+    abscissa(panel, along)
+    ordinate(panel, every)
+
+
+def say(drawn: Any, note: str) -> None:
+    if note:
+        drawn.suptitle(note, fontsize=8.5, color="#555555")
+
+
+def set_title(panel: Any, shown: Figure) -> None:
+    panel.set_title(f"{short_text(shown.node)}\n{short_text(shown.name)}", fontsize=8.5)
+    if shown.unit:
+        panel.set_ylabel(shown.unit, fontsize=8.5)
+
+
+def abscissa(panel: Any, along: Variation) -> None:
+    if not along.is_numeric:
+        write_names(panel.xaxis, along, turned=len(along.values) > _ACROSS)
+        panel.margins(x=0.12)
+    elif along.log:
+        panel.set_xscale("log")
+    else:
+        panel.ticklabel_format(axis="x", scilimits=(-3, 4), useMathText=True, useOffset=False)
+
+
+def ordinate(panel: Any, heights: Sequence[float]) -> None:
+    """Decades where the figure goes over many."""
+    finite = [height for height in heights if math.isfinite(height)]
+    if finite and min(finite) > 0 and max(finite) > LOG_FROM * min(finite):
+        panel.set_yscale("log")
+    elif finite and max(finite) - min(finite) <= ROUNDING * max(map(abs, finite)):
+        # A figure that does not move: not its rounding blown up to the full height.
+        reach = 0.1 * abs(finite[0]) or 1.0
+        panel.set_ylim(finite[0] - reach, finite[0] + reach)
+        panel.set_yticks([finite[0]], [number(tables.four_digits(finite[0]))])
+    else:
+        panel.ticklabel_format(axis="y", scilimits=(-3, 4), useMathText=True, useOffset=False)
+
+
+def write_names(ticks: Any, along: Variation, *, turned: bool) -> None:
+    """The values that are no numbers, at their ranks; of many some."""
+    places = range(0, len(along.values), -(-len(along.values) // _MOST_NAMES))
+    words = [short_text(value_text(along, along.values[place]), 14) for place in places]
+    ticks.set_ticks(
+        list(places), words, fontsize=7.5, rotation=40 if turned else 0,
+        ha="right" if turned else "center",
+    )  # fmt: skip
+
+
+def value_text(along: Variation, value: Any) -> str:
+    shown = along.shown(value)
+    return str(shown).rpartition("/")[2] if along.is_files else shown_value(shown)
+
+
+def ranks_of(along: Variation) -> dict[Any, int]:
+    values = sorted(along.values) if along.is_numeric else along.values
+    return {value: rank for rank, value in enumerate(values)}
+
+
+def short_text(text: str, longest: int = _LONGEST) -> str:
+    return text if len(text) <= longest else f"{text[: longest - 1]}…"
+
+
+def is_finite(value: float | None) -> TypeGuard[float]:
+    return value is not None and math.isfinite(value)
+
+
+# A trade-off as a page that needs no other file.
+
+
+def page(results: Results) -> str:
+    title = f"{results.network or 'Image chain'}: trade-off"
+    caption = f"Figures of merit against {results.varied.text}"
+    caption += (
+        f", with one curve for each value of {results.second.text}." if results.second else "."
+    )
+    if results.present is not None:
+        present = shown_value(results.present, results.varied.unit)
+        caption += f" The value in the network is {present}"
+        caption += " (dashed line)." if results.varied.is_numeric else "."
+    if results.failures():
+        caption += (
+            " A cross marks a value at which the figure could not be computed; the reasons are "
+            "listed below."
+        )
+    blocks = [
+        Heading(1, title),
+        Drawn(trade_off_png(results), caption, caption),
+        Heading(2, "Figures"),
+        Grid(("figure", "unit", "meaning"), [(f.text, f.unit, f.meaning) for f in results.figures]),
+        Heading(2, "Values"),
+        _value_grid(results),
+        *_listed("Gaps", results.failures()),
+        *_listed("Warnings", results.warnings()),
+    ]
+    return html_page(title, blocks)
+
+
+def _columns(results: Results) -> list[tuple[Variation | Figure, list[Any]]]:
+    points = results.points
+    return [
+        (results.varied, [point.value for point in points]),
+        *([(results.second, [point.second for point in points])] if results.second else []),
+        *(
+            (shown, [point.figures.get(shown.text) for point in points])
+            for shown in results.figures
+        ),
+    ]
+
+
+def _value_grid(results: Results) -> Block:
+    columns = _columns(results)
+    cells = [
+        [number(v, shown.unit) if isinstance(shown, Figure) else shown_value(v) for v in values]
+        for shown, values in columns
+    ]
+    heads = [tables.with_unit(shown.text, shown.unit) for shown, _ in columns]
+    return Grid(heads, list(zip(*cells, strict=True)), numbers=range(len(heads)))
+
+
+def _listed(title: str, lines: list[tuple[str, str]]) -> list[Block]:
+    return [Heading(2, title), Grid(("where", "why"), lines)] if lines else []
+
+
+# A trade-off as text: the table of the terminal, CSV and JSON.
+
+_GAP = 2  # between columns
+_MOST_REASONS = 12
+
+
+def table(results: Results, width: int | None = None) -> str:
+    """Heads of node, name and unit above the values; broken into blocks no wider than `width`."""
+    every = []
+    for shown, values in _columns(results):
+        if isinstance(shown, Figure):
+            texts = (tables.number_text(tables.without_rounding(v, shown.unit)) for v in values)
+            every.append([shown.node, shown.name, shown.unit, *texts])
+        else:
+            every.append([shown.node, shown.parameter.name, shown.unit, *map(shown_value, values)])
+    axis_columns, others = every[: len(results.axes)], every[len(results.axes) :]
+    blocks = []
+    while others:
+        block = [*axis_columns]
+        while others and (len(block) == len(axis_columns) or _fits([*block, others[0]], width)):
+            block.append(others.pop(0))
+        rows = list(zip(*block, strict=True))
+        blocks.append(columns(rows, right=range(len(block))))
+    return "\n\n".join(blocks)
+
+
+def failures(results: Results) -> list[str]:
+    lines = [f"{place}: {reason}" for place, reason in results.failures()]
+    if len(lines) > _MOST_REASONS:
+        lines[_MOST_REASONS - 1 :] = [f"and {several(len(lines) - _MOST_REASONS + 1, 'more gap')}"]
+    return lines
+
+
+def csv_text(results: Results) -> str:
+    """A row for each point in full precision; gaps are empty, reasons and warnings at the end."""
+    every = _columns(results)
+    columns: list[tuple[str, Iterable[str]]] = [(s.text, map(tables.exact, v)) for s, v in every]
+    columns.append(("failed", map("; ".join, map(results.reasons, results.points))))
+    columns.append(("warnings", ("; ".join(point.warnings) for point in results.points)))
+    rows = zip(*(cells for _, cells in columns), strict=True)
+    return csv_lines([[name for name, _ in columns], *rows])
+
+
+def trade_off_facts(results: Results) -> dict[str, Any]:
+    names = [figure.text for figure in results.figures]
+
+    def at(point: Point) -> dict[str, Any]:
+        figures = {name: point.figures.get(name) for name in names}
+        failed = {name: why for name, why in point.reasons.items() if name in names}
+        told = {"failed": failed, "warnings": point.warnings}
+        return {"value": point.value, "figures": figures, **told}
+
+    return {
+        "network": results.network,
+        "vary": [{"parameter": a.text, "unit": a.unit, "values": a.values} for a in results.axes],
+        "present": results.present,
+        "figures": [
+            {"name": f.text, "unit": f.unit, "meaning": f.meaning} for f in results.figures
+        ],
+        "curves": [
+            {**({"second": second} if results.second else {}), "points": list(map(at, points))}
+            for second, points in results.curves
+        ],
+    }
+
+
+def _fits(block: Sequence[Sequence[str]], width: int | None) -> bool:
+    if width is None:
+        return True
+    return sum(max(map(len, column)) + _GAP for column in block) - _GAP <= width
+
 
 MOST_FIGURES, MOST_ACROSS = 12, 8
 """Figures and parameters that are drawn; more could not be read."""
-_ACROSS = 3
 _MOST_CURVES = 8
 
 
@@ -54,20 +341,20 @@ def _curves(result: StudyRows, axes: Sequence[Variation], shown: Sequence[int], 
     along = next((axis for axis in axes if not axis.is_files), axes[0])
     others = [axis for axis in axes if axis is not along]
     families = others[0].values if others else (None,)
-    places, ranks = _values(result, along), drawing.ranks_of(along)
+    places, ranks = _values(result, along), ranks_of(along)
     family = _values(result, others[0]) if others else [None] * len(result.rows)
     curves = []
     for value in families[:_MOST_CURVES]:
         points = [n for n, one in enumerate(family) if one == value]
         points.sort(key=lambda number: ranks[places[number]])
         heights = [[result.rows[number].figures[place] for number in points] for place in shown]
-        name = drawing.short_text(str(others[0].shown(value))) if others else ""
+        name = short_text(str(others[0].shown(value))) if others else ""
         curves.append((name, [places[number] for number in points], heights))
     title = others[0].text if others else ""
     if len(families) > _MOST_CURVES:
         title += f" (the first {_MOST_CURVES} of {len(families)})"
     figures = [result.study.figures[place] for place in shown]
-    return drawing.curves_png(figures, along, curves, title, note=note)
+    return curves_png(figures, along, curves, title, note=note)
 
 
 def _maps(result: StudyRows, axes: Sequence[Variation], shown: Sequence[int], note: str) -> bytes:
@@ -75,10 +362,10 @@ def _maps(result: StudyRows, axes: Sequence[Variation], shown: Sequence[int], no
     across = min(_ACROSS, len(shown))
     down = -(-len(shown) // across)
     y, x = axes
-    ranks = [drawing.ranks_of(axis) for axis in axes]
+    ranks = [ranks_of(axis) for axis in axes]
     rows, columns = ([of[v] for v in _values(result, a)] for a, of in zip(axes, ranks, strict=True))
     with figure(max(4.8, 3.9 * across), 3.0 * down + 0.3) as (drawn, out):
-        drawing.say(drawn, note)
+        say(drawn, note)
         panels = drawn.subplots(down, across, squeeze=False).ravel()
         for panel, number in zip(panels, shown, strict=False):
             heights = np.full((len(y.values), len(x.values)), np.nan)
@@ -88,11 +375,11 @@ def _maps(result: StudyRows, axes: Sequence[Variation], shown: Sequence[int], no
             panel.grid(visible=False)
             bar = drawn.colorbar(mesh, ax=panel)
             bar.set_label(result.study.figures[number].unit, fontsize=8.5)
-            drawing.set_title(panel, result.study.figures[number])
+            set_title(panel, result.study.figures[number])
             scales = panel.set_xscale, panel.set_yscale
             for ticks, scale, axis in zip((panel.xaxis, panel.yaxis), scales, (x, y), strict=True):
                 if not axis.is_numeric:
-                    drawing.write_names(ticks, axis, turned=axis is x)
+                    write_names(ticks, axis, turned=axis is x)
                 elif axis.log:
                     scale("log")
             panel.set_xlabel(x.title)
@@ -108,22 +395,22 @@ def _scatter(
     figures = result.study.figures
     wide, high = len(axes), len(shown)
     with figure(max(4.6, 2.4 * wide + 0.6), 1.9 * high + 0.6) as (drawn, out):
-        drawing.say(drawn, note)
+        say(drawn, note)
         panels = drawn.subplots(high, wide, squeeze=False, sharex="col", sharey="row")
         for line, number in zip(panels, shown, strict=True):
             heights = _heights(result, number)
             known = np.flatnonzero(np.isfinite(heights))
             for panel, axis in zip(line, axes, strict=True):
-                values, ranks = _values(result, axis), drawing.ranks_of(axis)
+                values, ranks = _values(result, axis), ranks_of(axis)
                 xs = [values[at] if axis.is_numeric else ranks[values[at]] for at in known]
                 alpha = max(0.08, min(0.9, 300.0 / max(1, len(xs))))
                 panel.plot(xs, heights[known], ".", markersize=3, color=COLOURS[0], alpha=alpha)
             asked = figures[number]
-            words = (drawing.short_text(asked.node), asked.name, asked.unit)
+            words = (short_text(asked.node), asked.name, asked.unit)
             line[0].set_ylabel("\n".join(filter(None, words)), fontsize=8.0)
-            drawing.ordinate(line[0], heights[known].tolist())
+            ordinate(line[0], heights[known].tolist())
         for panel, axis in zip(panels[-1], axes, strict=True):
-            drawing.abscissa(panel, axis)
+            abscissa(panel, axis)
             panel.set_xlabel(axis.title, fontsize=8.5)
     return out.getvalue()
 
@@ -165,7 +452,7 @@ def _norm(heights: Any) -> Any:
     from matplotlib.colors import LogNorm, Normalize
 
     low, high = float(np.nanmin(heights)), float(np.nanmax(heights))
-    if low > 0 and high > drawing.LOG_FROM * low:
+    if low > 0 and high > LOG_FROM * low:
         return LogNorm(low, high)
     if high - low <= ROUNDING * max(abs(low), abs(high)):
         reach = 0.1 * abs(low) or 1.0
@@ -225,7 +512,7 @@ def summary_page(result: StudyRows) -> str:
 
 def _varied(axis: Variation) -> tuple[str, str, str, str]:
     ends = sorted(axis.values) if axis.is_numeric else axis.values
-    first, last = (drawing.value_text(axis, value) for value in (ends[0], ends[-1]))
+    first, last = (value_text(axis, value) for value in (ends[0], ends[-1]))
     return axis.title, str(len(axis.values)), first, last
 
 

@@ -16,8 +16,7 @@ from app.fit.picture_fit import FittedPictures, fit_pictures, read_pictures
 from app.measure import measuring
 from app.measure.measurement_page import measurement_json, write_measurement
 from app.measure.measurement_text import figure_rows, refused_lines, remarks
-from app.measure.picture_loading import NO_DATA, limits_of
-from app.measure.picture_measurement import MeasuredFile, PictureMeasurement
+from app.measure.picture_measurement import NO_DATA, MeasuredFile, PictureMeasurement, limits_of
 from app.run.terminal import columns, json_text
 from core.atomic import write_text
 from core.errors import DataError, ParameterError, UsageError

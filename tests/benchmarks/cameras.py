@@ -5,10 +5,9 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from app.bench.chains import Chain, Nodes, sensor_network
 from app.bench.speed import SNRS, TARGETS, Subject, timed
 from app.bench.tables import Table, judged
-from app.bench.timing import Settings, repeated
+from app.bench.timing import Chain, Nodes, Settings, repeated, sensor_network
 from app.run.saving import save_frames
 from core.evaluation.work import Policy
 from nodes.files.frames import FRAME_FORMATS

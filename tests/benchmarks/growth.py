@@ -160,8 +160,7 @@ def _child(what: str, file: str, *numbers: int, steady: bool) -> dict[str, Any]:
 def _timed(file: str, size: int, pairs: int) -> dict[str, Any]:
     import numpy as np
 
-    from app.bench.chains import FINAL, Kodak
-    from app.bench.timing import paired, round_trip
+    from app.bench.timing import FINAL, Kodak, paired, round_trip
 
     kodak = Kodak(size)
     np.save(file, kodak.scene)
@@ -176,7 +175,7 @@ def _timed(file: str, size: int, pairs: int) -> dict[str, Any]:
 def _peak(file: str, size: int) -> dict[str, Any]:
     from dataclasses import replace
 
-    from app.bench.chains import FINAL, SCENE, kodak_network
+    from app.bench.timing import FINAL, SCENE, kodak_network
     from app.command.network_run import KEPT_BYTES
     from core.chain.engine import Engine, asked_for
     from core.evaluation.recipes import Recipe
@@ -208,7 +207,7 @@ def _peak(file: str, size: int) -> dict[str, Any]:
 def _draw(file: str, size: int) -> dict[str, Any]:
     import numpy as np
 
-    from app.bench.chains import SCENE, kodak_network
+    from app.bench.timing import SCENE, kodak_network
     from core.chain.engine import Engine
     from core.evaluation.work import Policy
     from nodes.library import standard_library

@@ -12,9 +12,8 @@ import json
 from importlib import import_module
 from pathlib import Path
 
-from app.bench import PARTS as USERS
-from app.bench import measured
-from app.bench.tables import chart_png
+from app.bench.tables import PARTS as USERS
+from app.bench.tables import chart_png, measured
 from app.bench.timing import SIZE, Settings, isolate
 from app.run.terminal import jsonable
 from page import inserted, section

@@ -4,9 +4,8 @@ import json
 
 import pytest
 
-from app.handbook.example_figures import PAGES
+from app.handbook.example_figures import PAGES, published_camera
 from app.handbook.markdown_text import blocks_of
-from app.handbook.published_cameras import published_camera
 from app.run.shipped import published_networks, shipped_networks
 from command_line import run_here
 from core.chain.engine import Engine

@@ -325,7 +325,7 @@ def limited(
 
 def read(pictures: Pictures) -> FittedPictures:
     from app.fit.picture_fit import FittedPictures, TakenWith, read_pictures
-    from app.measure.picture_loading import BandsError
+    from app.measure.picture_measurement import BandsError
 
     if not isinstance(pictures, ViewerPicture):
         try:

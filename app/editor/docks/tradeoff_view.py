@@ -106,7 +106,7 @@ class TradeOffView(Viewer):
         save_plot(self.plots, numbers, path)
 
     def _numbers(self) -> str:
-        from app.tradeoff.tradeoff_drawing import csv_text  # start-up time
+        from app.study.study_drawing import csv_text
 
         parameter, span = self.varied.parameter, self.span
         if parameter is None or span is None or not self.points:

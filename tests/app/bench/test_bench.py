@@ -5,8 +5,7 @@ import os
 
 import pytest
 
-from app.bench import PARTS
-from app.bench.tables import Chart, Table, chart_png, figure_text, verdict
+from app.bench.tables import PARTS, Chart, Table, chart_png, figure_text, verdict
 from app.bench.timing import STEADY, paired
 from app.command.library_commands import BENCH_PARTS
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from app.bench import precision
-from app.bench.chains import PIXELS, Chain, Kodak
 from app.bench.speed import plain_optics, whole_chain
+from app.bench.timing import PIXELS, Chain, Kodak
 from app.bench.truth import (
     Sensor,
     kolmogorov_distance,

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from app.bench.chains import sensor_network
 from app.bench.peers import load, why_missing
+from app.bench.timing import sensor_network
 from core.chain.engine import Engine
 from core.evaluation.work import Policy
 from core.physics.radiometry.planck import band_radiance

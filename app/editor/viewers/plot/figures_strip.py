@@ -16,7 +16,7 @@ from app.editor.session import Session
 from app.editor.theme import FAINT, TEXT
 from app.editor.viewers.viewer import Viewer
 from app.editor.widgets import ElidedLabel, FlowLayout, filled, labelled
-from app.run.figures import ELECTRONICS_FIGURES, SENSOR_FIGURES, sensor_node
+from app.run.evaluation import ELECTRONICS_FIGURES, SENSOR_FIGURES, sensor_node
 from app.run.transfer_chain import HOW_TO_MARK, find_output, sound_part
 from core.chain.engine import Plan
 from core.errors import ImagechainError

@@ -4,7 +4,7 @@ import pytest
 
 from app.editor.evaluation.queries import PassDone, Passing
 from app.editor.viewers.plot.figures_strip import FiguresQuery, FiguresStrip, figure_text
-from app.run.figures import ELECTRONICS_FIGURES
+from app.run.evaluation import ELECTRONICS_FIGURES
 from core.editing.operations import add_nodes, remove_nodes, set_node_field, set_parameter
 from core.network.network import Link, Node
 from viewer_bench import ViewerBench
