@@ -50,10 +50,8 @@ class Stage:
     folder: Path  # the output folder
     staging: Staging  # collects the files until all of them are put in place
     rules: WriteRules  # what the network may write
-    # called with the number of frames written, after each
-    done: Callable[[int], None] | None = None
-    # called with the evaluation while its pictures are held
-    look: Callable[[run.Evaluation], object] | None = None
+    done: Callable[[int], None] | None = None  # after each frame
+    look: Callable[[run.Evaluation], object] | None = None  # while pictures are held
     way: run.WayOfRunning = _IN_MEMORY  # in memory or in blocks, as it was chosen
     only_report: bool = False
     saves: tuple[Save, ...] = ()

@@ -56,17 +56,13 @@ _FEWEST = 3  # edges, of which a scatter is taken
 
 @dataclass(frozen=True)
 class Misfit:
-    # sum of the squared residuals in units of their noise, and degrees of freedom
-    chi2: float
+    chi2: float  # sum of the squared residuals in units of their noise, and degrees of freedom
     degrees: int
-    # the same of residuals averaged at equal distances from the edge
-    shape_chi2: float
+    shape_chi2: float  # the same of residuals averaged at equal distances from the edge
     shape_degrees: int
-    # the same of the noise at the measured levels; part of the first two
-    noise_chi2: float = 0.0
+    noise_chi2: float = 0.0  # the same of the noise at the measured levels; part of the first two
     noise_degrees: int = 0
-    # what is left near the edge that is worst, beyond noise, as a share of its step
-    material: float = 0.0
+    material: float = 0.0  # left near the worst edge beyond noise, of its step
     edges: int = 0  # how many were fitted
 
     @property
@@ -141,20 +137,17 @@ def _excess(per_degree: float, degrees: int) -> float:
 class ChainFit:
     free: tuple[FreeParameter, ...]  # what was fitted
     values: Vector  # their values
-    # derivatives of the residuals, shape (samples, parameters), over the root of their misfit
-    jacobian: Matrix
+    jacobian: Matrix  # of the residuals, (samples, parameters), over the root of their misfit
     patches: tuple[Patch, ...]  # the edges' samples
     edges: EdgesAt  # all as fitted
     table: SpreadTable  # their spreads
     misfit: Misfit  # how well it fits
-    # for each parameter ``low`` or ``high`` where it lies at that end of its range, else empty
-    at_end: tuple[str, ...]
+    at_end: tuple[str, ...]  # ``low`` or ``high`` where a value is there, else empty
     evaluations: int  # how often the chain was evaluated
     unsigned: tuple[int, ...] = ()  # places of the parameters whose sign changes nothing
     rivals: tuple[Vector, ...] = ()  # values elsewhere that fit nearly as well
     shown: frozenset[int] = frozenset()  # places of the parameters that the edges show
-    # of how many edges each parameter's error is, where their scatter counts; else empty
-    rests_on: tuple[float, ...] = ()
+    rests_on: tuple[float, ...] = ()  # edges per error, where their scatter counts
 
 
 class EdgeProblem:

@@ -57,22 +57,17 @@ _FAINT = 1e-4  # of the contrast: a noise that is less is that of rounding in a 
 class Patch:
     name: str  # for people: where the edge is
     edge: FoundEdge
-    # of each sample: distance along the edge's normal, place along the edge, sample
-    distance: Vector
+    distance: Vector  # of each sample: along the edge's normal, along the edge, its value
     along: Vector
     value: Vector
-    # where each sample is in its picture
-    column: Indices
+    column: Indices  # where each sample is in its picture
     row: Indices
-    # the picture about the edge, and the row and column of its first sample
-    window: Matrix
+    window: Matrix  # the picture about the edge, and the row and column of its first sample
     top: int
     left: int
-    # of a sample's noise on each side
-    low_variance: float
+    low_variance: float  # of a sample's noise on each side
     high_variance: float
-    # levels of the sides
-    low: float
+    low: float  # levels of the sides
     high: float
     shaded: bool  # whether the sides are not level
     least_variance: float  # what rounding in the file alone makes
@@ -181,8 +176,7 @@ _IN_PERIOD = 0.45  # of a spread's period, to which its table is used
 @dataclass(frozen=True)
 class SpreadTable:
     period: int  # samples from the first distance, −period/2, to where the table begins anew
-    # ESF, from 0 to 1, and its derivative; shape (edges, distances)
-    spread: NDArray[np.float64]
+    spread: NDArray[np.float64]  # ESF, from 0 to 1, and its derivative; shape (edges, distances)
     slope: NDArray[np.float64]
 
     def at(self, number: int, distance: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -257,8 +251,7 @@ class EdgesAt:
     spread: Matrix  # there, from 0 to 1
     levels: Matrix  # low level, step, and inclines of each edge
     own: Matrix  # place (samples), turn and bend (samples at the ends) of each edge
-    # what edges' own parameters do to the weighted samples, and its products
-    columns: NDArray[np.float64]
+    columns: NDArray[np.float64]  # what edges' own parameters do to the samples
     gram: NDArray[np.float64]
 
     @property

@@ -35,22 +35,19 @@ class Combination:
 
     members: tuple[int, ...]  # their places among the free parameters
     text: str  # the combination, in the parameters' names
-    # its value and standard error
-    value: float
+    value: float  # with its standard error
     sigma: float
     unit: str  # its unit; empty where it has none that is plain
 
 
 @dataclass(frozen=True)
 class Identified:
-    # of the parameters that are determined; NaN in rows and columns of the others
-    covariance: Matrix
+    covariance: Matrix  # of the parameters that are determined; NaN elsewhere
     # parameters at an end of their range where the edges change with their square only: the
     # standard error is how far they may be from it
     limited: tuple[int, ...]
     without_effect: tuple[int, ...]  # parameters of which the edges show nothing
-    # of those that are not told apart: groups, and what is known of a group with one effect
-    together: tuple[tuple[int, ...], ...] = ()
+    together: tuple[tuple[int, ...], ...] = ()  # groups not told apart
     combinations: tuple[Combination, ...] = ()
 
     @property
@@ -232,11 +229,9 @@ _RIVAL = 4.0  # standard errors, from which on a value is another one
 
 @dataclass(frozen=True)
 class FittedParameter:
-    # its name and unit
     port: str
     unit: str
-    # the value and its standard error; both None where the pictures do not determine it
-    value: float | None
+    value: float | None  # with its standard error; None where not determined
     sigma: float | None
     # what the fitted network has: of parameters with one effect values that fit together, of one
     # without effect what it had; None where that is empty
@@ -263,8 +258,7 @@ class FitResult:
     fit: ChainFit  # what was fitted to the edges
     parameters: tuple[FittedParameter, ...]  # in the order given
     correlation: Matrix  # of the parameters; NaN where there is none
-    # what is known of parameters that are not told apart
-    combinations: tuple[Combination, ...] = ()
+    combinations: tuple[Combination, ...] = ()  # of parameters not told apart
     warnings: tuple[str, ...] = ()  # one line each
     notes: tuple[str, ...] = ()  # what was assumed
     noise: NoiseComparison | str = ""  # the noise, or why it was not compared

@@ -24,11 +24,9 @@ _ABOVE = 1e-12  # of a range whose low end is no value: above it
 @dataclass(frozen=True)
 class FreeParameter:
     port: str  # ``NODE.PARAM`` as it was given
-    # where it is, inside a macro too
-    node: str
+    node: str  # where it is, inside a macro too
     name: str
-    # between what; infinite where the parameter has no end
-    low: float
+    low: float  # between what; infinite where the parameter has no end
     high: float
     present: float | None  # its value in the network; None where it is empty there
     unit: str  # of the parameter

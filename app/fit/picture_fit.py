@@ -69,8 +69,7 @@ class TakenWith:
 class FittedPictures:
     names: tuple[str, ...]  # for messages
     samples: tuple[Matrix, ...]  # each of shape (rows, columns), finite
-    # lowest and highest number that a sample can have
-    clip_levels: tuple[float, float] | None = None
+    clip_levels: tuple[float, float] | None = None  # ends of the numbers of samples
     warnings: tuple[str, ...] = ()  # what to know of the files, one line each
     taken: tuple[TakenWith, ...] = ()  # what is known of their cameras
 

@@ -79,15 +79,13 @@ class NoiseFigures:
 
     sigma: float  # standard deviation in the picture's unit
     sigma_error: float  # its standard error
-    # by how the variance rises with the level, where levels differ enough
-    gain_e_per_dn: float | None
+    gain_e_per_dn: float | None  # by how the variance rises with the level
     gain_error: float | None
     read_noise_dn: float | None
     read_noise_error: float | None
     offset_dn: float  # the level without light, which the read noise is for
     mean_level: float  # of the pictures, which `sigma` is for
-    # of whole rows and columns; 0 where none stands out, None where it could not be measured
-    row_sigma: float | None
+    row_sigma: float | None  # of whole rows, and columns; 0 where none stands out
     column_sigma: float | None
     step: float | None  # of the converter; None where the samples show none
     levels: tuple[LevelVariance, ...]
@@ -113,19 +111,15 @@ class MeasuredFile:
 @dataclass(frozen=True, eq=False)
 class PictureMeasurement:
     files: tuple[MeasuredFile, ...]  # where the pictures come from, in order
-    # size of each
-    rows: int
+    rows: int  # size of each
     columns: int
     unit: str  # of the samples, or empty
-    # angle between samples, where the field of view is known
-    interval_x_mrad: float | None
+    interval_x_mrad: float | None  # angle between samples, where the field of view is known
     interval_y_mrad: float | None
     edges: tuple[MeasuredEdge, ...]  # all that were seen
-    # pooled over the edges across, and along
-    x: edge_mtf.MtfCurve | None
+    x: edge_mtf.MtfCurve | None  # pooled over the edges across, and along
     y: edge_mtf.MtfCurve | None
-    # why there is none
-    reason_x: str
+    reason_x: str  # why there is none
     reason_y: str
     noise: NoiseFigures | None  # of the flat areas of the pictures
     noise_reason: str  # why there is none
@@ -171,25 +165,19 @@ _PERHAPS_ENCODED = ("tiff",)
 @dataclass(frozen=True)
 class PictureFile:
     path: Path  # as it was given
-    # size of a frame, and how many there are
-    rows: int
+    rows: int  # size of a frame, and how many there are
     columns: int
     frames: int
-    # the one that is measured; None: luminance of a colour picture, or the only one
-    band: int | None
+    band: int | None  # that is measured; None: luminance, or the only one
     taken: str  # what of a file of several bands is measured, in words; empty where there is one
     unit: str  # of the samples as the file words it, or empty
-    # between samples, by the header's field of view
-    interval_x_mrad: float | None
+    interval_x_mrad: float | None  # between samples, by the header's field of view
     interval_y_mrad: float | None
-    # least and largest number of samples that are stored as whole numbers; None of others
-    limits: tuple[float, float] | None
-    # whether numbers of such a file follow the eye instead of the light, usually or possibly
-    gamma: Gamma = ""
+    limits: tuple[float, float] | None  # ends of whole numbers
+    gamma: Gamma = ""  # whether its numbers follow the eye instead of the light
     is_lossy: bool = False  # whether the format leaves out what the eye would not miss
     is_stack: bool = False  # whether it holds frames, were it a single one
-    # ends of the band that is measured, where the header has its wavelength
-    band_um: tuple[float, float] | None = None
+    band_um: tuple[float, float] | None = None  # of the measured band
 
     def pictures(self) -> Iterator[Matrix]:
         """The frames in turn, in double precision."""

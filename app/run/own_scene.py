@@ -47,18 +47,14 @@ Pair = tuple[float, float]
 class OwnScene:
     """A picture, and what its owner says of it; what is None follows from file and network."""
 
-    # A picture or cube; of an array (rows, columns), or (rows, columns, 3) for red, green, blue
-    picture: Path | Array
+    picture: Path | Array  # of an array (rows, columns), or (rows, columns, 3) in colour
     fov_deg: Pair | None = None  # field of view across and along, degrees
     range_m: float | None = None  # distance of the scene, m
-    # size of a sample on the scene, m; with the distance it gives the field of view
-    sample_m: float | None = None
+    sample_m: float | None = None  # size of a sample on the scene, m
     band_um: Pair | None = None  # shortest and longest wavelength, µm
-    # what the samples are: a unit of radiance, a temperature, a reflectance, or `RELATIVE`
-    unit: str = ""
+    unit: str = ""  # of radiance, a temperature, a reflectance, or `RELATIVE`
     option: str = ""  # what stands before the names of these in messages
-    # whether the lines name what says otherwise; not where only the picture is given
-    hints: bool = True
+    hints: bool = True  # whether the lines name what says otherwise
 
     def check(self) -> None:
         allowed = "above 0° and below 180°"
@@ -86,8 +82,7 @@ class SceneReplaced:
     node: str  # the node that reads the picture
     lines: tuple[str, ...]  # how the picture was taken: samples, field of view, band
     samples: HeldSamples | None = None  # those of an array
-    # what the lowest and highest sample became, where `fitted` scaled them
-    ends: Pair | None = None
+    ends: Pair | None = None  # what lowest and highest became, if scaled
 
 
 def scene_nodes(network: Network, library: Library) -> list[str]:

@@ -30,7 +30,6 @@ _BARRED = '/\\:*?"<>|'
 @dataclass(frozen=True)
 class Preset:
     path: Path  # the file
-    # what it is called, and what it is
     title: str
     text: str = ""
     own: bool = False  # whether the person saved it, and it does not come with the program

@@ -298,8 +298,7 @@ class WriteRecord:
     network: Path  # the network's file, links resolved
     # what it has written: contents by file
     written: Mapping[Path, tuple[Print, ...]] = field(default_factory=dict)
-    # files that the user has chosen in a dialog to be written
-    chosen: frozenset[Path] = frozenset()
+    chosen: frozenset[Path] = frozenset()  # by the user in a dialog
 
     def holds(self, file: Path) -> bool:
         known = self.written.get(file, ())
@@ -381,8 +380,7 @@ class WriteRules:
     any case what is `allowed`, `given`, or chosen in a dialog of the editor.
     """
 
-    # where it may make files, and where it may replace any; links resolved
-    folders: tuple[Path, ...]
+    folders: tuple[Path, ...]  # where it may make files; links resolved
     allowed: tuple[Path, ...]
     given: frozenset[str]  # nodes whose file the user has named on the command line
     record: WriteRecord  # what it has written before

@@ -32,8 +32,7 @@ _MOST_NAMED = 8
 @dataclass(frozen=True)
 class Output:
     port: str | None  # ``NODE.PORT``; None where there is none, or several could be meant
-    # ports of the pictures that could be meant, where none of them is marked
-    choices: tuple[str, ...] = ()
+    choices: tuple[str, ...] = ()  # pictures that could be meant, if none is marked
 
     @property
     def missing(self) -> str:

@@ -64,8 +64,7 @@ class Setting:
     saves: tuple[Save, ...]  # the ports whose pictures are saved
     policy: Policy  # precision, tolerance and threads
     version: str  # of the program
-    # how much computed values may take on a machine; `KEPT_BYTES` in each process, if not given
-    memory_bytes: int | None = None
+    memory_bytes: int | None = None  # of computed values, if not `KEPT_BYTES` in each process
 
 
 WITH_TLS = ("tls://", "wss://")
@@ -74,8 +73,7 @@ _INNER = (*WITH_TLS, "inproc://")  # what nobody else can read, or answer in our
 
 @dataclass(frozen=True)
 class Workers:
-    # processes of this machine; 0 for all cores, as soon as the rest of the study is worth it
-    jobs: int = 0
+    jobs: int = 0  # processes of this machine; 0: all cores once the rest is worth it
     scheduler: Any = ""  # the address of a Dask scheduler, or a client of one, in their place
     memory_bytes: int | None = None  # how much computed values may take on a machine
 
@@ -378,7 +376,6 @@ _NEEDED = {PARQUET: ("pyarrow",), NETCDF: ("xarray", "h5netcdf", "h5py")}
 
 @dataclass(frozen=True)
 class Column:
-    # its head
     name: str
     unit: str
     values: Sequence[Any]  # numbers, truth values, texts or None

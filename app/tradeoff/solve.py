@@ -130,7 +130,6 @@ _LINEAR_STEPS, _STEPS_A_DECADE, _MOST_STEPS = 32, 3, 60
 
 @dataclass(frozen=True)
 class _SearchRange:
-    # the ends
     low: float
     high: float
     log: bool  # whether places lie equal factors apart
