@@ -214,7 +214,7 @@ def test_a_study_imports_nothing_of_the_current_folder(traps, write, sensor, tmp
 
 
 def test_nothing_else_starts_a_python():
-    """Each place that starts a process does it with the command of `app.run.shipped`."""
+    """Each place that starts a process does it with the command of `app.run.terminal`."""
     starts = ("sys.executable", "multiprocessing", "ProcessPoolExecutor", "os.fork(", "spawnv")
     places = {
         str(file.relative_to(ROOT))
@@ -222,5 +222,5 @@ def test_nothing_else_starts_a_python():
         for file in (ROOT / layer).rglob("*.py")
         if any(word in file.read_text(encoding="utf-8") for word in starts)
     }
-    # The benchmark runs what `shipped` gives; own_packages looks at its own process.
-    assert places == {"app/run/shipped.py", "app/bench/timing.py", "imagechain/own_packages.py"}
+    # The benchmark runs what `terminal` gives; own_packages looks at its own process.
+    assert places == {"app/run/terminal.py", "app/bench/timing.py", "imagechain/own_packages.py"}
