@@ -5,13 +5,13 @@ All but `Cancelled` and `PlugInError` are faults of the input: the command ends 
 
 from __future__ import annotations
 
+import contextlib
 import difflib
 import re
 import sys
 import traceback
 import unicodedata
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
 from pathlib import Path, PurePath
 from types import CodeType, FrameType, MappingProxyType
 from typing import TYPE_CHECKING, Any, Self, TypeVar
@@ -202,6 +202,30 @@ class Suspended(Cancelled):
 # Names and plain JSON data of network documents.
 
 
+FAULTS = (InputError, PlugInError)
+"""All errors but that the caller wants to stop."""
+
+
+@contextlib.contextmanager
+def placed(node: str | None) -> Iterator[None]:
+    """Errors of ours belong to the node, if there is one."""
+    try:
+        yield
+    except ImagechainError as error:
+        if node is None:
+            raise
+        raise error.at(node) from error
+
+
+@contextlib.contextmanager
+def writing(target: object) -> Iterator[None]:
+    """What the system refuses is an error of ours, which says that a file cannot be written."""
+    try:
+        yield
+    except OSError as error:
+        raise FileError(f"cannot write {target}: {error.strerror or error}") from error
+
+
 def check_id(name: str) -> None:
     """Refuse a node id that is empty or has a dot, an equals sign or a control character."""
     # Cs: half a surrogate pair cannot be saved; Zl and Zp break lines as control characters do.
@@ -299,7 +323,7 @@ def thaw(value: Any) -> Any:
 PLUG_INS = "imagechain.modules"  # the entry points of packages that bring modules
 
 
-@contextmanager
+@contextlib.contextmanager
 def watched(node: str | None, module: str = "") -> Iterator[None]:
     """Refuse overflow, division by zero and invalid operations inside the block.
 

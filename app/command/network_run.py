@@ -18,7 +18,7 @@ from core.atomic import write_bytes, write_text
 from core.chain.engine import Engine, Plan, realize
 from core.chain.skipped import Skip, skips
 from core.chain.wires import Image
-from core.errors import ImagechainError, UsageError, in_line
+from core.errors import UsageError, in_line, placed
 from core.evaluation.recipes import Region
 from core.evaluation.work import Policy
 from core.modules.declaration import NodeContext
@@ -294,13 +294,11 @@ def _save(
     value, work = saved.value, evaluation.work
     frames = saved.count(on_disk=_is_on_disk(value, work))
     how: dict[str, Any] = {"port": saved.port, "region": saved.region}
-    try:
+    with placed(saved.port.rpartition(".")[0]):
         if frames is not None:
             saving.save_frames(value, path, work, frames=frames, done=done, **how)
         else:
             saving.save_value(value, path, work, **how)
-    except ImagechainError as error:
-        raise error.at(saved.port.rpartition(".")[0]) from error
 
 
 def _is_on_disk(value: Any, work: run.TimedWork) -> bool:
@@ -314,10 +312,8 @@ def sink_files(evaluation: run.Evaluation) -> list[tuple[str, Path, Callable[[Pa
             continue
         here = NodeContext(name, evaluation.network.seed, evaluation.folder)
         module: Any = node.module
-        try:
+        with placed(name):
             files += [(name, *file) for file in module.files(node.inputs, here, evaluation.work)]
-        except ImagechainError as error:
-            raise error.at(name) from error
     return files
 
 

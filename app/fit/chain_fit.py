@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from app.fit.chain_transfer import ChainAt, EdgeTransfer, NoiseProblem
 from app.fit.edge_fit import MARGIN, EdgeFits, EdgesAt, Patch, SpreadTable, period_for, reaching_in
 from app.fit.free_parameter import FreeParameter, apart, inner, middle_of, starts
-from core.errors import Cancelled, DataError, ImagechainError
+from core.errors import FAULTS, DataError
 from core.evaluation.work import Work
 from core.kernels import special
 from core.records import dataclass
@@ -195,9 +195,7 @@ class EdgeProblem:
                     louder = np.abs(self.noise_residual(changed) - noise)
                     if float(louder.max(initial=0.0)) > _SHOWN:
                         noisy.add(index)
-                except Cancelled:
-                    raise
-                except ImagechainError:
+                except FAULTS:
                     continue
         self.shown, self.noisy = frozenset(shown), frozenset(noisy)
         self._tables.clear()
@@ -224,9 +222,7 @@ class EdgeProblem:
         if noise is None:
             try:
                 noise = self.noise.residual(self._chain.plan([float(v) for v in values]))
-            except Cancelled:
-                raise
-            except ImagechainError:  # no noise with these values: they are far off
+            except FAULTS:  # no noise with these values: they are far off
                 noise = np.full(len(self.noise.measured), _OFF)
             if len(self._noises) >= _HELD:
                 self._noises.clear()
@@ -289,9 +285,7 @@ class EdgeProblem:
         try:
             noise = self.noise_residual(values)
             return self.fitted(values)[1].cost + float(noise @ noise)
-        except Cancelled:
-            raise
-        except ImagechainError:
+        except FAULTS:
             return math.inf
 
     def derivative(self, values: Vector, index: int, other: float) -> Vector:

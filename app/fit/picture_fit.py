@@ -18,7 +18,7 @@ from app.measure.picture_measurement import WITH_LOSS, PictureFile, common_limit
 from app.tradeoff.tradeoff_results import with_value
 from core.chain.engine import Engine, Plan
 from core.chain.wires import Image
-from core.errors import Cancelled, DataError, ImagechainError, several
+from core.errors import FAULTS, DataError, several
 from core.evaluation.work import Work
 from core.physics.measurement.edge_search import find_edges
 from core.physics.measurement.found_edge import missing_samples
@@ -174,9 +174,7 @@ def _noise(
         measured = sorted(measured, key=lambda one: -one.samples)[:_MOST_LEVELS]
         noise = chain_transfer.NoiseProblem(levels, measured)
         noise.predicted(plan)
-    except Cancelled:
-        raise
-    except ImagechainError as error:
+    except FAULTS as error:
         return None, f"the network's noise is not compared: {error}"
     return noise, ""
 
@@ -186,9 +184,7 @@ def _compared(
 ) -> NoiseComparison | str:
     try:
         predicted = noise.predicted(plan)
-    except Cancelled:
-        raise
-    except ImagechainError as error:
+    except FAULTS as error:
         return f"the network's noise is not compared: {error}"
     measured = np.array([one.variance for one in noise.measured])
     if not np.any(predicted > _NOTHING * measured):

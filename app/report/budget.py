@@ -13,7 +13,7 @@ from app.report.drawing.picture_drawing import figure, legend_below, number, str
 from app.report.html_page import Block, Drawn, Grid, Heading, Text, of_many
 from app.run.evaluation import Evaluation
 from core.chain.wires import CurveData, Image, Series
-from core.errors import Cancelled, DataError, ImagechainError
+from core.errors import FAULTS, DataError
 from core.evaluation.work import Work
 from core.records import asdict
 from nodes.analysis.lineage import NoiseOf, noise_free, transfer_of
@@ -41,9 +41,7 @@ def _tried(make: Callable[[], Fact]) -> tuple[Fact | None, str | None]:
     """What is made, or why it cannot be: the run itself has not failed."""
     try:
         return make(), None
-    except Cancelled:
-        raise
-    except ImagechainError as error:
+    except FAULTS as error:
         return None, str(error)
 
 

@@ -18,7 +18,7 @@ from app.run.evaluation import Evaluation
 from core.chain.frame_sequence import Remaking
 from core.chain.step_lineage import Axis, Linear, PlaceDependent, lineage_of, source_step
 from core.chain.wires import Image
-from core.errors import Cancelled, DataError, ImagechainError
+from core.errors import FAULTS, DataError, ImagechainError
 from core.evaluation.recipes import Recipe, Region, Step
 from core.evaluation.work import Work
 from core.physics.measurement.row_average import row_average
@@ -156,9 +156,7 @@ def _measurement(chain: _Chain, work: Work, direction: Direction, method: Method
     measure = _slanted if method == "slanted_edge" else _rows
     try:
         measured, expected = measure(chain, work, direction)
-    except Cancelled:
-        raise
-    except ImagechainError as error:  # the run itself has not failed
+    except FAULTS as error:  # the run itself has not failed
         return facts | {"reason": str(error)}
     inside = measured.frequency <= 0.5
     per_mrad = measured.per_mrad

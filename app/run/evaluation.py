@@ -36,7 +36,7 @@ from core.chain.engine import (
     realize,
 )
 from core.chain.wires import Curve, Image, Magnitude, Phase, SpectrumWire, Table, Transfer
-from core.errors import DataError, FileError, ImagechainError, UsageError, several
+from core.errors import DataError, FileError, ImagechainError, UsageError, placed, several
 from core.evaluation.recipes import Recipe, Region
 from core.evaluation.store import Store
 from core.evaluation.work import BlockRun, Policy, Shape, Work
@@ -181,26 +181,21 @@ def needed_later(
 
 def _check_source(plan: Plan, port: str, work: Work) -> None:
     value: Image = plan.output(port)
-    node = port.rpartition(".")[0]
-    try:
+    with placed(port.rpartition(".")[0]):
         check_finite(work.value(value.recipe), port)
-    except ImagechainError as error:
-        raise error.at(node) from error
 
 
 def _evaluate_output(plan: Plan, port: str, work: Work) -> None:
     name, _, output = port.rpartition(".")
     value = plan.nodes[name].outputs.get(output)
     sampled = isinstance(value, Transfer) and value.own is not None
-    try:
+    with placed(name):
         if isinstance(value, Transfer | Magnitude | Phase) and not sampled:
             # The plane is not used: its factors on two lines show whether it can be made.
             response(work, value.factors, value.grid.xi_half(), "x")
             response(work, value.factors, value.grid.eta(), "y")
         elif value is not None:
             realize(value, work)
-    except ImagechainError as error:
-        raise error.at(name) from error
 
 
 # Whether a run holds its pictures in memory or makes them in blocks, on disk: a choice by size.

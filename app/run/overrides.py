@@ -12,7 +12,7 @@ import numpy as np
 from app.run.option_values import Assignment, assignment
 from app.run.shipped import Place
 from app.run.terminal import with_unit
-from core.errors import NetworkError, ParameterError, UsageError, close, in_line, shown
+from core.errors import NetworkError, ParameterError, UsageError, close, in_line, placed, shown
 from core.modules.declaration import Library, declaration
 from core.modules.parameters import Parameter, plain
 from core.network.file import read_network
@@ -196,10 +196,8 @@ def _fitting(parameter: Parameter, setting: Assignment) -> Any:
     text = setting.text.strip()
     if text.startswith("=") and parameter.kind in ("number", "integer"):
         return expression(text[1:].strip())
-    try:
+    with placed(setting.node):
         return first_taken(setting.text, parameter.coerce)
-    except ParameterError as error:
-        raise error.at(setting.node) from error
 
 
 def _read(text: str) -> Any:
@@ -378,10 +376,8 @@ def _value(text: str, parameter: Parameter, setting: Assignment) -> Any:
             raise
         return reading if is_number(reading) and coerced is None else plain(coerced)
 
-    try:
+    with placed(setting.node):
         return from_here(first_taken(text, taken), parameter)
-    except ParameterError as error:
-        raise error.at(setting.node) from error
 
 
 def taken_value(parameter: Parameter, value: Any) -> Any:

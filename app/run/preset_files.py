@@ -11,7 +11,7 @@ from core.editing.clipboard import as_new, pasted
 from core.editing.document import rebased
 from core.editing.layout import Point
 from core.editing.operations import ABSENT, Operation, check_plain, set_parameter, together
-from core.errors import FileError, ImagechainError, NetworkError, shown, thaw
+from core.errors import FileError, ImagechainError, NetworkError, shown, thaw, writing
 from core.modules.declaration import Declaration, Library, declaration
 from core.modules.parameters import Parameter
 from core.network import file
@@ -92,11 +92,9 @@ def save_preset(network: Network, name: str, folder: Path, library: Library) -> 
     if any(letter in _BARRED for letter in node.id) or node.id.strip(" ") != node.id:
         raise NetworkError(f"{shown(name)} cannot be a file name: rename the node first")
     path = folder / f"{node.id}.json"
-    try:
+    with writing(shown(str(path))):
         folder.mkdir(parents=True, exist_ok=True)
         there = path.exists()
-    except OSError as error:
-        raise FileError(f"cannot write {shown(str(path))}: {error.strerror or error}") from None
     if there:
         raise FileError(f"a preset {shown(node.id)} already exists ({path}): rename the node first")
     macro = as_new(node)
@@ -246,8 +244,6 @@ def _file(module: str, folder: Path) -> Path:
 def _write(sets: Sets, module: str, folder: Path) -> None:
     document = {"format": FORMAT, "version": 1, "module": module, "sets": sets}
     text = json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False)
-    try:
+    with writing(folder):
         folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise FileError(f"cannot write {folder}: {error.strerror or error}") from None
     write_text(_file(module, folder), text + "\n")

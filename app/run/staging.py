@@ -15,7 +15,7 @@ from typing import Self
 from app.run.shipped import Place
 from app.user_folders import FOLDERS
 from core import atomic
-from core.errors import FileError, ImagechainError, UsageError, shown
+from core.errors import FileError, ImagechainError, UsageError, shown, writing
 from core.records import dataclass, field
 from nodes.files.file_format import ZARR
 from nodes.files.zarr_array import is_store
@@ -103,9 +103,8 @@ class Staging:
             raise FileError(f"cannot write: two outputs would be written to {target}")
         file = self._place(real, target) / f"{len(self._staged)}{real.suffix}"
         try:
-            writer(file)
-        except OSError as error:
-            raise FileError(f"cannot write {target}: {error.strerror or error}") from error
+            with writing(target):
+                writer(file)
         except ImagechainError as error:
             error.message = error.message.replace(str(file), str(target))
             raise
@@ -131,15 +130,11 @@ class Staging:
         for staged in self._staged:
             self._check_again(staged)
         undo: list[Callable[[], object]] = []
-        target = self._folder or Path()
         try:
             for staged in self._staged:
-                target = staged.given
-                _make_folders(staged.target.parent, undo)
-                _put(staged, undo)
-        except OSError as error:
-            _undo(undo)
-            raise FileError(f"cannot write {target}: {error.strerror or error}") from error
+                with writing(staged.given):
+                    _make_folders(staged.target.parent, undo)
+                    _put(staged, undo)
         except BaseException:
             _undo(undo)
             raise
@@ -164,12 +159,10 @@ class Staging:
         folder = _existing(real.parent)
         if folder not in self._places:
             place = folder / f"{atomic.FOLDER_PREFIX}{atomic.new_mark()}"
-            try:
+            with writing(target):
                 place.mkdir()
                 self._places[folder] = place
                 lock = atomic.take(place / atomic.LOCK)
-            except OSError as error:
-                raise FileError(f"cannot write {target}: {error.strerror or error}") from error
             if lock is not None:
                 self._locks.append(lock)
         return self._places[folder]
@@ -219,12 +212,11 @@ def _cannot(target: Path, error: OSError) -> FileError:
 
 
 def _check_existing(real: Path, target: Path) -> None:
-    try:
-        status = real.stat()
-    except (FileNotFoundError, NotADirectoryError):
-        return
-    except OSError as error:
-        raise FileError(f"cannot write {target}: {error.strerror or error}") from error
+    with writing(target):
+        try:
+            status = real.stat()
+        except (FileNotFoundError, NotADirectoryError):
+            return
     unfit = atomic.no_regular_file(status.st_mode)
     if ZARR.matches(real):
         other = "a file that is not a Zarr store already has this name; choose another name"
@@ -330,10 +322,8 @@ def _add(network: Path, written: Mapping[Path, tuple[Print, ...]], chosen: Itera
     known = read_record(network)
     there = {file: prints for file, prints in known.written.items() if os.path.lexists(file)}
     path = _place(known.network)
-    try:
+    with writing(path):
         path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-    except OSError as error:
-        raise FileError(f"cannot write {path}: {error.strerror or error}") from error
     content = {
         "format": FORMAT,
         "version": VERSION,

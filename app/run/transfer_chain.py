@@ -11,7 +11,7 @@ from core.chain.back_transformed import Delivered
 from core.chain.engine import Plan, PlannedNode
 from core.chain.step_lineage import lineage_of
 from core.chain.wires import Image, Transfer
-from core.errors import Cancelled, ImagechainError, NetworkError, shown, thaw
+from core.errors import FAULTS, ImagechainError, NetworkError, shown, thaw
 from core.evaluation.recipes import Recipe
 from core.evaluation.work import Work
 from core.modules.declaration import Library, declaration
@@ -504,9 +504,7 @@ def responses_along(
             work.check()
             try:
                 values = response(work, stage.factors, frequency, line)
-            except Cancelled:
-                raise
-            except ImagechainError as error:
+            except FAULTS as error:
                 failed[str(error)] = error
             else:
                 evaluated.append(StageResponse(stage.node, stage.title, values))

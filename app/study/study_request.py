@@ -50,6 +50,7 @@ from core.errors import (
     ParameterError,
     Suspended,
     UsageError,
+    placed,
     several,
     shown,
     shown_path,
@@ -260,10 +261,8 @@ def natural(name: str) -> tuple[tuple[int, int, str], ...]:
 
 
 def _allowed(parameter: Parameter, value: Any, node: str) -> Any:
-    try:
+    with placed(node):
         return overrides.taken_value(parameter, value)
-    except ParameterError as error:
-        raise error.at(node) from error
 
 
 def _of_files(axis: overrides.Variation) -> overrides.Variation:

@@ -185,14 +185,10 @@ class RowMaker:
 
     def _save(self, plan: Plan, work: Work, save: Save, file: Path) -> None:
         value = plan.output(save.port)
-        try:
+        with errors.placed(save.node), errors.writing(file):
             region = save.region(value.rows, value.columns) if isinstance(value, Image) else None
             file.parent.mkdir(parents=True, exist_ok=True)
             save_value(value, file, work, port=save.port, region=region)
-        except OSError as error:
-            raise errors.FileError(f"cannot write {file}: {error.strerror or error}") from error
-        except errors.ImagechainError as error:
-            raise error.at(save.node) from error
 
     def _check_sources(self, plan: Plan, work: Work) -> None:
         """Refuse samples that are not finite, of every picture once that has been read."""

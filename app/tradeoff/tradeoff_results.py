@@ -162,9 +162,7 @@ def computed(
             else:
                 names = [figure.name for figure in wanted]
                 results = engine.readouts(plan, node, work, names=names)
-        except errors.Cancelled:
-            raise
-        except errors.ImagechainError as error:
+        except errors.FAULTS as error:
             if is_total or len(wanted) == 1:
                 reasons |= {figure.text: str(error) for figure in wanted}
             else:  # one that fails leaves the others
@@ -321,10 +319,8 @@ class PointEvaluator:
         network = before.network
         for (node, name), value, old in zip(self._targets, values, known, strict=True):
             if value is not old and (type(value) is not type(old) or value != old):
-                try:
+                with errors.placed(node):
                     network = with_value(network, self.engine, node, name, value)
-                except errors.ParameterError as error:
-                    raise error.at(node) from error
         plan = self.engine.plan(network, folder=self._base.folder, previous=before)
         self._last = (plan, tuple(values))
         return plan

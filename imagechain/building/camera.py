@@ -15,7 +15,7 @@ from app.run.transfer_chain import ancestors, find_output
 from core.chain.engine import Engine, Plan, asked_for
 from core.chain.frame_sequence import at_frame
 from core.chain.wires import Image
-from core.errors import DataError, ImagechainError, NetworkError, ParameterError, UsageError
+from core.errors import DataError, NetworkError, ParameterError, UsageError, placed
 from core.evaluation.work import Policy, Work
 from core.network.linked_values import with_values
 from core.network.validation import NetworkProblems
@@ -143,14 +143,12 @@ class Camera:
 
     def _made(self, plan: Plan, port: str, work: Work, number: int) -> Any:
         value = plan.output(port)
-        try:
+        with placed(port.rpartition(".")[0]):
             if not isinstance(value, Image):
                 return self._engine.value(plan, port, work)
             samples = work.value(at_frame(value.recipe, number) if number else value.recipe)
             check_finite(samples, port)
             return samples
-        except ImagechainError as error:
-            raise error.at(port.rpartition(".")[0]) from error
 
     def _forget(self, work: Work) -> None:
         """Keep what this frame and the one before it asked for; drop all else of either."""

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.run.preset_files import shipped_presets
-from core.errors import DataError, NetworkError, ParameterError, close, shown, thaw
+from core.errors import DataError, NetworkError, ParameterError, close, placed, shown, thaw
 from core.modules.declaration import Declaration, declaration, local_key
 from core.modules.parameters import Parameter, plain
 from core.network.file import read_network
@@ -76,10 +76,8 @@ def file_value(declared: Declaration, name: str, value: Any, *, node: str | None
         raw = raw_expression(raw.lstrip()[1:].strip())
     if isinstance(raw, dict) and numeric:  # read, and evaluated, with the network
         return raw
-    try:
+    with placed(node):
         return plain(parameter.coerce(raw))
-    except ParameterError as error:
-        raise (error if node is None else error.at(node)) from None
 
 
 def known_parameter(

@@ -21,7 +21,15 @@ from core.chain.engine import Engine, Plan, asked_for
 from core.chain.frame_sequence import at_frame
 from core.chain.skipped import skips
 from core.chain.wires import Image
-from core.errors import ImagechainError, NetworkError, ParameterError, UsageError, close, shown
+from core.errors import (
+    ImagechainError,
+    NetworkError,
+    ParameterError,
+    UsageError,
+    close,
+    placed,
+    shown,
+)
 from core.evaluation.recipes import Region
 from core.evaluation.work import Policy
 from core.machine import store_bytes
@@ -309,9 +317,9 @@ class Result:
         return self._values[port]
 
     def _computed(self, port: str) -> NDArray[Any]:
-        image, node = self._image(port), port.rpartition(".")[0]
+        image = self._image(port)
         region = self._region(image)
-        try:
+        with placed(port.rpartition(".")[0]):
             if self._options.frames is None:
                 samples = self._engine.value(self._plan, port, self._work, region)
                 check_finite(samples, port)
@@ -324,8 +332,6 @@ class Result:
                 stack[number] = real_array(frame, self._work)
                 check_finite(stack[number], port)
             return _read_only(stack)
-        except ImagechainError as error:
-            raise error.at(node) from error
 
     def _region(self, image: Image) -> Region | None:
         return self._options.region_of(image.shape)
