@@ -2,7 +2,7 @@
 
 import math
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -168,25 +168,6 @@ def _gb(size: float) -> str:
 # a zero means absent.
 
 _UNIT_KEYS = ("data units", "radiance units", "units", "unit", "bunit")
-_FOCAL_KEYS = (
-    "focal length mm",
-    "focal length",
-    "focallen",
-    "exif:focallength",
-    "nominalfocallength",
-)
-_FOV_X_KEYS = (
-    "fov x deg",
-    "fov x",
-    "field of view x",
-    "horizontal fov",
-    "hfov",
-    "fov",
-    "field of view",
-)
-_FOV_Y_KEYS = ("fov y deg", "fov y", "field of view y", "vertical fov", "vfov")
-_BOTH_FOV_KEYS = ("fov", "field of view")
-
 _LENGTHS_MM = {"": 1.0, "mm": 1.0, "cm": 10.0, "m": 1000.0, "um": 1e-3, "µm": 1e-3, "μm": 1e-3}
 _ANGLES_DEG = {
     "": 1.0,
@@ -198,6 +179,22 @@ _ANGLES_DEG = {
     "mrad": math.degrees(1e-3),
 }
 _QUANTITY = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([^\d\s]*)")
+# The factors of its units and its keys, then those of which it is the second of two.
+_QUANTITIES: Mapping[str, tuple[Mapping[str, float], *tuple[tuple[str, ...], ...]]] = {
+    "focal_length_mm": (
+        _LENGTHS_MM,
+        ("focal length mm", "focal length", "focallen", "exif:focallength", "nominalfocallength"),
+    ),
+    "fov_x_deg": (
+        _ANGLES_DEG,
+        ("fov x deg", "fov x", "field of view x", "horizontal fov", "hfov", "fov", "field of view"),
+    ),
+    "fov_y_deg": (
+        _ANGLES_DEG,
+        ("fov y deg", "fov y", "field of view y", "vertical fov", "vfov"),
+        ("fov", "field of view"),
+    ),
+}
 
 FieldValue = str | int | float | Sequence[str]
 
@@ -213,9 +210,10 @@ def header_fields(
     """
     own = {_normal(key): _texts(value) for key, value in fields.items()}
     described = _in_description(description)
-    read = {"focal_length_mm": _focal_length, "fov_x_deg": _fov_x, "fov_y_deg": _fov_y}
-    values = {name: one(own, where) or _leniently(one, described) for name, one in read.items()}
-    return {"unit": _unit(own) or _unit(described), **values}
+    values: dict[str, Any] = {"unit": _unit(own) or _unit(described)}
+    for name, kind in _QUANTITIES.items():
+        values[name] = _quantity_of(own, where, *kind) or _quantity_of(described, "", *kind)
+    return values
 
 
 _Texts = Mapping[str, Sequence[str]]
@@ -244,34 +242,19 @@ def _unit(fields: _Texts) -> str | None:
     return None
 
 
-def _focal_length(fields: _Texts, where: str) -> float | None:
-    return _first(fields, _FOCAL_KEYS, _LENGTHS_MM, where, 0)
-
-
-def _fov_x(fields: _Texts, where: str) -> float | None:
-    return _angle(_first(fields, _FOV_X_KEYS, _ANGLES_DEG, where, 0), where)
-
-
-def _fov_y(fields: _Texts, where: str) -> float | None:
-    own = _first(fields, _FOV_Y_KEYS, _ANGLES_DEG, where, 0)
-    return _angle(own or _first(fields, _BOTH_FOV_KEYS, _ANGLES_DEG, where, 1), where)
-
-
-def _leniently(read: Callable[[_Texts, str], float | None], described: _Texts) -> float | None:
-    """Read from prose, where a pair that is no quantity is no fault of the file."""
-    try:
-        return read(described, "description")
-    except FileError:
-        return None
-
-
-def _first(
-    fields: _Texts, keys: Sequence[str], factors: Mapping[str, float], where: str, place: int
+def _quantity_of(
+    fields: _Texts, where: str, factors: Mapping[str, float], *keys: Sequence[str]
 ) -> float | None:
-    for key in keys:
-        values = fields.get(key, ())
-        if len(values) > place and values[place]:
-            return _quantity(values[place], factors, key, where) or None
+    """Of prose, without a file in `where`, a pair that is no quantity is no fault."""
+    for place, key in ((place, key) for place, names in enumerate(keys) for key in names):
+        text = next(iter(fields.get(key, ())[place:]), "")
+        try:
+            if text and (value := _quantity(text, factors, key, where)):
+                return value
+        except FileError:
+            if where:
+                raise
+            return None
     return None
 
 
@@ -282,12 +265,6 @@ def _quantity(text: str, factors: Mapping[str, float], key: str, where: str) -> 
     if not math.isfinite(value) or value < 0:
         units = ", ".join(unit for unit in factors if unit.isascii() and unit)
         raise FileError(f"{where}: {key} = {text!r:.60} is not a positive number (units: {units})")
+    if factors is _ANGLES_DEG and value >= 180:
+        raise FileError(f"{where}: field of view {value:g} deg; allowed: above 0 and below 180 deg")
     return value
-
-
-def _angle(degrees: float | None, where: str) -> float | None:
-    if degrees is not None and degrees >= 180:
-        raise FileError(
-            f"{where}: field of view {degrees:g} deg; allowed: above 0 and below 180 deg"
-        )
-    return degrees
