@@ -358,25 +358,13 @@ def _axis(measured: Measured, axis: Axis) -> tuple[Axis, float]:
 
 
 def figures_of(work: Work, measured: Measured, *expected: Expected) -> TableData:
-    def per_mrad(value: float | None) -> float | None:
-        return None if value is None or measured.per_mrad is None else value * measured.per_mrad
-
-    (half, error), tenth = measured.mtf50, measured.mtf10[0]
-    values: dict[str, float | None] = {
-        "mtf50": per_mrad(half),
-        "mtf50_error": per_mrad(error),
-        "mtf50_per_pixel": half,
-        "mtf10": per_mrad(tenth),
-        "mtf10_per_pixel": tenth,
-        "at_nyquist": measured.nyquist[0],
-        "at_nyquist_error": measured.nyquist[1],
-        "edge_angle_deg": measured.angle_deg,
-    }
-    for one in expected:
-        values["expected_mtf50"] = per_mrad(one.mtf50)
-        values["expected_at_nyquist"] = one.at_nyquist
-        values["largest_difference"] = one.largest_difference
-    return TableData.of(*values.items())
+    """The table's per mrad, none where that is not known, and some per pixel too."""
+    rows = table_of(work, measured, *expected, axis="cyc_per_mrad", unit="").as_dict()
+    if measured.per_mrad is None:
+        rows |= dict.fromkeys(("mtf50", "mtf50_error", "mtf10", "expected_mtf50"))
+    for name, value in (("mtf50", measured.mtf50[0]), ("mtf10", measured.mtf10[0])):
+        rows[f"{name}_per_pixel"] = value
+    return TableData.of(*rows.items())
 
 
 _PIXELS = (0, 1024)  # of sliders

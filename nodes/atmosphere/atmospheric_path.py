@@ -10,8 +10,7 @@ import numpy as np
 
 from core.chain.band_stack import AttenuatedBands, BandStack
 from core.chain.engine import PlannedNode
-from core.chain.noise_power import NoisePower
-from core.chain.step_lineage import Array, LevelChange, Linear, picture_step
+from core.chain.step_lineage import Array, LevelChange, picture_step
 from core.chain.wires import Context, Image, Table, TableData
 from core.errors import DataError, ParameterError, how_to_install
 from core.evaluation.recipes import Recipe, Step, in_blocks, pointwise
@@ -32,7 +31,7 @@ from core.records import dataclass, replace
 from nodes.files.curve_tables import Points, read_path_table, read_wavelengths
 from nodes.shared.context_defaults import apart_caution, first, watts_factor
 from nodes.shared.module_ports import PictureTable, TableFigures, WeightingSource
-from nodes.shared.steps import mean_of
+from nodes.shared.steps import AboutMean, mean_of
 
 _PREVIEW_POINTS = 401
 _ROOM = 1.2  # above a transmission of 1, whose tick the title would hide
@@ -391,29 +390,21 @@ def path_over_bands(work: Work, means: Array, *, weights: Row, gain: Row, offset
 
 
 @dataclass(frozen=True)
-class ThroughAir(Linear):
+class ThroughAir(AboutMean):
     """Dimmed alike at all frequencies; what the air adds is the same all over."""
-
-    before: Recipe
-    over: Recipe
-
-    @property
-    def level(self) -> Recipe:
-        return Step.of(dimming, Step.of(mean_of, self.before), self.over)
 
     @property
     def before_camera(self) -> bool:
         return True
-
-    def noise(self, work: Work, power: NoisePower) -> NoisePower:
-        return power.scaled(work.value(self.over).transmission)
 
 
 def dimming(work: Work, mean: float, over: PathBand) -> LevelChange:
     return LevelChange(over.transmission, mean, over.transmission * mean)
 
 
-@picture_step(linear=lambda *both, **_: ThroughAir(*both), looks_at=("over",))
+@picture_step(
+    linear=lambda image, over, **_: ThroughAir(Step.of(dimming, Step.of(mean_of, image), over))
+)
 @pointwise
 def through_air(work: Work, image: Array, over: PathBand, *, factor: float) -> Array:
     """τ·L + L_path; `factor` makes W/m²/sr of the samples."""

@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 
 from core.chain.band_stack import AttenuatedBands, BandStack, Row
 from core.chain.engine import PlannedNode
-from core.chain.noise_power import NoisePower
-from core.chain.step_lineage import Array, LevelChange, Linear, picture_step
+from core.chain.step_lineage import Array, LevelChange, picture_step
 from core.chain.wires import Image
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe, Step, pointwise
@@ -27,10 +26,10 @@ from core.physics.detector.photon_conversion import (
 )
 from core.physics.radiometry.planck import brightness_temperature
 from core.physics.radiometry.spectra import SUNLIGHT_K
-from core.records import dataclass
 from nodes.files.curve_tables import read_wavelengths
 from nodes.shared.context_defaults import Band, unit_caution
 from nodes.shared.module_ports import ImageOutput, WeightingSource
+from nodes.shared.steps import AboutMean, mean_of
 
 
 class SpectralResponse(
@@ -199,27 +198,15 @@ def mean_response(
     return response.mean_of_body(low, high, source_K=source_K)
 
 
-@dataclass(frozen=True)
-class Weighted(Linear):
-    before: Recipe
-    counted: Recipe
-
-    @property
-    def level(self) -> Recipe:
-        return Step.of(_level, self.before, self.counted)
-
-    def noise(self, work: Work, power: NoisePower) -> NoisePower:
-        return power.scaled(work.value(self.counted))
-
-
-@picture_step(linear=Weighted, looks_at=("counted",))
+@picture_step(
+    linear=lambda image, counted: AboutMean(Step.of(_level, Step.of(mean_of, image), counted))
+)
 @pointwise
 def weighted(work: Work, image: Array, counted: float) -> Array:
     return np.multiply(image, work.policy.dtype.type(counted), dtype=work.policy.dtype)
 
 
-def _level(work: Work, samples: Array, counted: float) -> LevelChange:
-    mean = float(np.mean(samples, dtype=np.float64))
+def _level(work: Work, mean: float, counted: float) -> LevelChange:
     return LevelChange(counted, mean, counted * mean)
 
 
