@@ -259,7 +259,9 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
         image = with_interval(image, context)
         known = image.band_um or context.band_um
         passed, grid, node = transfer_of(image, of_camera=True), image.grid(), here.node
-        sensor = {"stages": passed.part("mtf"), "grid": grid, "observer": self._observer(context)}
+        sensor: Any = {"stages": passed.part("mtf"), "grid": grid, "model": self.model}
+        sensor |= {"snr_threshold": self.snr_threshold, "frames": self._frames()}
+        window = {"window": self.mdtd_window, "eye_limit_mrad": self.eye_limit_mrad}
         band_um = given_band(self.cut_on_um, self.cut_off_um, known)
         shortest = (known or band_um)[0]
         if shortest < SHORTEST_THERMAL_UM and self.background_K is None:
@@ -278,7 +280,8 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
             band_um=band_um,
             background_K=self.background_K,
         )
-        threshold_step = here.step(threshold_curves.thresholds, seen, **sensor)
+        sampled = self._sampled(context)
+        threshold_step = here.step(threshold_curves.thresholds, seen, sampled=sampled, **sensor)
         task = replace(self._task(grid), air=_air(image, context), band_um=band_um)
         reached = here.step(
             threshold_curves.acquisition, threshold_step, seen, task=task, grid=grid
@@ -287,7 +290,7 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
         table = here.step(threshold_curves.merit_table, seen, threshold_step, reached, **merit)
         return MeritOutputs(
             Curve(here.step(threshold_curves.mrtd_curve, threshold_step)),
-            Curve(here.step(threshold_curves.mdtd_curve, seen, **sensor)),
+            Curve(here.step(threshold_curves.mdtd_curve, seen, **sensor, **window)),
             Curve(here.step(threshold_curves.probability_curve, reached)),
             Table(table),
         )
@@ -347,20 +350,13 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
             frame_rate_Hz=self.frame_rate_Hz, eye_integration_s=self.eye_integration_s
         )
 
-    def _observer(self, context: Context) -> threshold_curves.Observer:
+    def _sampled(self, context: Context) -> tuple[bool, bool]:
+        """Whether the sensor samples across and along."""
         scanning = self.scanning
         if scanning == "automatic":
             scanning = _OF_PLATFORM[context.platform]
         along_flight = scanning == "parallel_scan" and context.platform == "push"
-        return threshold_curves.Observer(
-            model=self.model,
-            sampled_x=scanning == "staring" or along_flight,
-            sampled_y=not along_flight,
-            snr_threshold=self.snr_threshold,
-            frames=self._frames(),
-            window=self.mdtd_window,
-            eye_limit_mrad=self.eye_limit_mrad,
-        )
+        return scanning == "staring" or along_flight, not along_flight
 
     def _task(self, grid: Grid) -> threshold_curves.Task:
         field_deg = math.degrees(grid.columns * grid.interval_x_mrad / 1000.0)

@@ -15,7 +15,6 @@ from core.errors import DataError
 from core.evaluation.work import Work
 from core.physics.acquisition import target_acquisition
 from core.physics.acquisition.mrtd import (
-    Window,
     mdtd_K,
     mrtd_flir92_K,
     mrtd_ratches_K,
@@ -74,23 +73,6 @@ class Sensitivity:
 
 
 Sensed = Sensitivity | Unseen
-
-
-@dataclass(frozen=True)
-class Observer:
-    """How bars and targets are looked at.
-
-    The sensor does not sample along a scan. `frames` are averaged by the eye, over a target's
-    `window` or up to `eye_limit_mrad`.
-    """
-
-    model: Model
-    sampled_x: bool
-    sampled_y: bool
-    snr_threshold: float
-    frames: float
-    window: Window
-    eye_limit_mrad: float | None
 
 
 @dataclass(frozen=True)
@@ -162,9 +144,19 @@ def sensitivity(
 
 
 def thresholds(
-    work: Work, sensed: Sensed, *, stages: lineage.Stages, grid: Grid, observer: Observer
+    work: Work,
+    sensed: Sensed,
+    *,
+    stages: lineage.Stages,
+    grid: Grid,
+    model: Model,
+    sampled: tuple[bool, bool],
+    **seen: float,
 ) -> Thresholds | Unseen:
-    """MRTD up to the samples' own rate, or the first zero of the MTF, or Nyquist."""
+    """MRTD up to the samples' own rate, or the first zero of the MTF, or Nyquist.
+
+    The sensor is not `sampled` along a scan; `frames` of those `seen` are averaged by the eye.
+    """
     if isinstance(sensed, Unseen):
         return sensed
     nyquist_x, nyquist_y = grid.nyquist_x, grid.nyquist_y
@@ -173,7 +165,6 @@ def thresholds(
     mtf_y = _to_first_zero(work, stages, lineage.VERTICAL, frequency)
     spectrum = sensed.spectrum
     turned = None if spectrum is None else spectrum.T
-    seen = {"snr_threshold": observer.snr_threshold, "frames": observer.frames}
     directions: tuple[Literal["horizontal", "vertical"], ...] = ("horizontal", "vertical")
     horizontal, vertical = (
         mrtd_ratches_K(
@@ -185,7 +176,7 @@ def thresholds(
             spectrum=of_noise,
             **seen,
         )
-        if observer.model == "ratches_1976"
+        if model == "ratches_1976"
         else mrtd_flir92_K(
             frequency=frequency,
             mtf=mtf,
@@ -193,13 +184,13 @@ def thresholds(
             across_cyc_per_mrad=across,
             along_cyc_per_mrad=along,
             direction=direction,
-            sampled=sampled,
+            sampled=is_sampled,
             spectrum=of_noise,
             **seen,
         )
-        for direction, mtf, across, along, sampled, of_noise in (
-            (directions[0], mtf_x, nyquist_x, nyquist_y, observer.sampled_x, spectrum),
-            (directions[1], mtf_y, nyquist_y, nyquist_x, observer.sampled_y, turned),
+        for direction, mtf, across, along, is_sampled, of_noise in (
+            (directions[0], mtf_x, nyquist_x, nyquist_y, sampled[0], spectrum),
+            (directions[1], mtf_y, nyquist_y, nyquist_x, sampled[1], turned),
         )
     )
     both_frequency, both = mrtd_two_dimensional(
@@ -241,7 +232,7 @@ def _shown(label: str, x: Vector, y: Vector) -> tuple[Series, ...]:
 
 
 def mdtd_curve(
-    work: Work, sensed: Sensed, *, stages: lineage.Stages, grid: Grid, observer: Observer
+    work: Work, sensed: Sensed, *, stages: lineage.Stages, grid: Grid, model: Model, **seen: Any
 ) -> CurveData:
     """MDTD of squares from a quarter of a sample to 25 samples wide."""
     if isinstance(sensed, Unseen):
@@ -257,7 +248,7 @@ def mdtd_curve(
     count = int(np.ceil(highest / step))
     frequency = step * np.arange(count + 1, dtype=np.float64)
     noise = sensed.noise_K2
-    if observer.model == "ratches_1976":
+    if model == "ratches_1976":
         noise = NoiseVariances(tvh=sensed.netd_K**2)
     mdtd = mdtd_K(
         size_mrad=size,
@@ -265,13 +256,10 @@ def mdtd_curve(
         mtf_x=lineage.all_along(work, stages, lineage.HORIZONTAL, frequency),
         mtf_y=lineage.all_along(work, stages, lineage.VERTICAL, frequency),
         noise=noise,
-        snr_threshold=observer.snr_threshold,
         noise_bandwidth_x_cyc_per_mrad=grid.nyquist_x,
         noise_bandwidth_y_cyc_per_mrad=grid.nyquist_y,
-        frames=observer.frames,
-        window=observer.window,
-        eye_limit_mrad=observer.eye_limit_mrad,
         spectrum=sensed.spectrum,
+        **seen,
     )
     series = _shown("square target", size, mdtd)
     return CurveData("MDTD", "target size (mrad)", "MDTD (K)", series, log_y=True, log_x=True)
