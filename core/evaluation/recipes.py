@@ -11,7 +11,8 @@ import hashlib
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from enum import Enum
-from functools import cached_property, partial
+from functools import cached_property, partial, update_wrapper
+from inspect import signature
 from numbers import Integral
 from pathlib import Path
 from typing import Any, TypeVar
@@ -326,6 +327,44 @@ def in_parts(part: Callable[..., Any], share: Share | None = None) -> Callable[[
     and shape of the picture: the share of the whole's work that the region takes.
     """
     return marked(part=part, share=share)
+
+
+Seen = Callable[[Region], Any]
+"""What an input has in a region; a value that is no array whole."""
+
+
+def by_region(
+    shape: Callable[..., tuple[int, int]], share: Share | None = None
+) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """A step of a function that makes a region of its result; the whole is one, too.
+
+    It is called as ``function(work, region, *inputs, **parameters)`` with each input as `Seen`.
+    `shape`, called with the whole inputs and the parameters, gives rows and columns of the whole.
+    """
+
+    def step(function: Callable[..., Any]) -> Callable[..., Any]:
+        def part(work: Evaluation, region: Region, *inputs: Recipe, **parameters: Any) -> Any:
+            given = (partial(work.part, one) for one in inputs)
+            return function(work, region, *given, **parameters)
+
+        def whole(work: Evaluation, *inputs: Any, **parameters: Any) -> Any:
+            region = Region(0, 0, *shape(*inputs, **parameters))
+            return function(work, region, *(partial(_seen, one) for one in inputs), **parameters)
+
+        update_wrapper(whole, function)
+        work, _, *others = signature(function).parameters.values()
+        whole.__signature__ = signature(function).replace(  # type: ignore[attr-defined]
+            parameters=[work, *others]
+        )
+        return in_parts(part, share)(whole)
+
+    return step
+
+
+def _seen(value: Any, region: Region) -> Any:
+    if not isinstance(value, np.ndarray):
+        return value
+    return value[region.broadcast(value.shape).slices]
 
 
 def pointwise(function: F) -> F:

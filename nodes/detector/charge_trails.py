@@ -9,7 +9,7 @@ import numpy as np
 
 from core.chain.step_lineage import Array, LineOperator, picture_step
 from core.chain.wires import Image
-from core.evaluation.recipes import Recipe, Region, in_parts
+from core.evaluation.recipes import Region, Seen, by_region
 from core.evaluation.work import Work
 from core.modules.declaration import Caution, Formula, NodeContext, param, readout, warning
 from core.physics.detector.detector_mtf import charge_transfer_mtf, charge_transfer_ptf
@@ -142,20 +142,12 @@ class Trails(LineOperator):
         return Region(region.top, first, region.rows, size), nearest - skip, skip
 
 
-def _trailed_part(work: Work, region: Region, picture: Recipe, *, change: Trails) -> Array:
-    needed = change.needed(region)[0]
-    return _trailed(work, work.part(picture, needed), needed, region, change)
-
-
 @picture_step(linear=lambda *_, change: change)
-@in_parts(_trailed_part)
-def with_trails(work: Work, picture: Array, *, change: Trails) -> Array:
-    whole = Region(0, 0, *picture.shape)
-    return _trailed(work, picture, whole, whole, change)
-
-
-def _trailed(work: Work, charge: Array, given: Region, region: Region, change: Trails) -> Array:
+@by_region(lambda picture, **_: picture.shape)
+def with_trails(work: Work, region: Region, picture: Seen, *, change: Trails) -> Array:
     """By blocks of rows, which lie in one piece."""
+    given = change.needed(region)[0]
+    charge = picture(given)
     made: Array = np.empty(region.shape, work.policy.dtype)
     rows = max(1, _BLOCK_SAMPLES // given.columns)
 

@@ -13,10 +13,11 @@ from core.chain.wires import TableData, TableRow
 from core.evaluation.recipes import (
     Recipe,
     Region,
+    Seen,
     Step,
+    by_region,
     ends_lineage,
     in_blocks,
-    in_parts,
     marked,
     pointwise,
 )
@@ -207,36 +208,19 @@ def bad_pixels(
     ]
 
 
-def _bad_part(
-    work: Work, region: Region, picture: Recipe, bad: Recipe, levels: Recipe, *, hot_e: float | None
-) -> Array:
-    inside = [_within(places, region) for places in work.value(bad)]
-    return _replaced(work.part(picture, region), inside, work.value(levels), hot_e)
-
-
-def _within(places: Places, region: Region) -> Places:
-    rows, columns = places[0] - region.top, places[1] - region.left
-    inside = (rows >= 0) & (rows < region.rows) & (columns >= 0) & (columns < region.columns)
-    return rows[inside], columns[inside]
-
-
 @picture_step(noise=lambda at, *_, **__: [at.known("bad pixels")])
-@in_parts(_bad_part)
+@by_region(lambda picture, *_, **__: picture.shape)
 def with_bad_pixels(
-    work: Work, picture: Array, bad: list[Places], levels: ElectronLevels, *, hot_e: float | None
+    work: Work, region: Region, picture: Seen, bad: Seen, levels: Seen, *, hot_e: float | None
 ) -> Array:
     """Dead pixels give nothing, hot ones the most there is, in every frame."""
-    return _replaced(picture, bad, levels, hot_e)
-
-
-def _replaced(
-    picture: Array, bad: list[Places], levels: ElectronLevels, hot_e: float | None
-) -> Array:
-    changed = picture.copy()
-    dead, hot = bad
-    changed[dead] = 0.0
-    changed[hot] = 2.0 * levels.brightest_e if hot_e is None else hot_e
-    return changed
+    changed = picture(region).copy()
+    hot = 2.0 * levels(region).brightest_e if hot_e is None else hot_e
+    for (rows, columns), value in zip(bad(region), (0.0, hot), strict=True):
+        y, x = rows - region.top, columns - region.left
+        inside = (y >= 0) & (y < region.rows) & (x >= 0) & (x < region.columns)
+        changed[y[inside], x[inside]] = value
+    return np.asarray(changed)
 
 
 def _counts(picture: Recipe, *, gain_e_per_dn: float, **how: float) -> Scaled:

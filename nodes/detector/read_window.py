@@ -1,14 +1,12 @@
 """Read-out Window: a region of interest (ROI) is read instead of the whole detector."""
 
-from typing import Any
-
 import numpy as np
 
 from core.chain.noise_power import NoisePower
 from core.chain.step_lineage import Array, Axis, Linear, Vector, picture_step
 from core.chain.wires import Image
 from core.errors import ParameterError
-from core.evaluation.recipes import Recipe, Region, in_parts
+from core.evaluation.recipes import Region, Seen, by_region
 from core.evaluation.work import Work
 from core.modules.declaration import Formula, Module, NodeContext, Section, param, readout
 from core.records import dataclass
@@ -128,15 +126,10 @@ class Windowed(Linear):
         return row[self.window.slices[1 if axis == "x" else 0]]
 
 
-def _windowed_part(
-    work: Work, region: Region, picture: Recipe, *, window: Region, **_: Any
+@picture_step(linear=lambda _, **how: Windowed(**how))
+@by_region(lambda _, *, window, **__: window.shape)
+def windowed(
+    work: Work, region: Region, picture: Seen, *, window: Region, old: tuple[int, int]
 ) -> Array:
     wanted = Region(window.top + region.top, window.left + region.left, *region.shape)
-    part: Array = work.part(picture, wanted)
-    return part
-
-
-@picture_step(linear=lambda _, **how: Windowed(**how))
-@in_parts(_windowed_part)
-def windowed(work: Work, picture: Array, *, window: Region, old: tuple[int, int]) -> Array:
-    return np.ascontiguousarray(picture[window.slices])
+    return np.ascontiguousarray(picture(wanted))

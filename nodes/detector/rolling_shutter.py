@@ -1,14 +1,11 @@
 """Rolling Shutter: lines are exposed one after the other while the image moves."""
 
-from collections.abc import Callable
-from typing import Any
-
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from core.chain.step_lineage import Array, picture_step
 from core.chain.wires import Image
-from core.evaluation.recipes import Recipe, Region, in_parts
+from core.evaluation.recipes import Region, Seen, by_region
 from core.evaluation.work import Work
 from core.modules.declaration import Caution, Formula, NodeContext, param, readout, warning
 from core.physics.detector.readout import REACH, sinc_weights
@@ -87,14 +84,12 @@ class RollingShutter(
         return float((image.rows - 0.5) // max(1.0, pitch_in_samples("y", image) or 1.0))
 
 
-def _skewed_part(work: Work, region: Region, picture: Recipe, **how: Any) -> Array:
-    return _rows(work, lambda wanted: work.part(picture, wanted), region, **how)
-
-
-def _rows(
+@picture_step()
+@by_region(lambda _, *, shape, **__: shape, lambda region, shape: region.rows / shape[0])
+def skewed(
     work: Work,
-    part: Callable[[Region], Array],
     region: Region,
+    picture: Seen,
     *,
     shape: tuple[int, int],
     step_x: float,
@@ -110,7 +105,7 @@ def _rows(
     left, across = _taps(-step_x * lines)
     wanted = np.unique(above)
     runs = np.split(wanted, np.flatnonzero(np.diff(wanted) > 1) + 1)
-    parts = [part(Region(int(run[0]), 0, len(run), columns)) for run in runs]
+    parts = [picture(Region(int(run[0]), 0, len(run), columns)) for run in runs]
     source = parts[0] if len(parts) == 1 else np.concatenate(parts)
     places = np.searchsorted(wanted, above)
     made: Array = np.empty((region.rows, region.columns), work.policy.dtype)
@@ -139,11 +134,3 @@ def _weighted(lines: Array, weights: Array) -> Array:
         if weight:
             total += weight * line
     return total
-
-
-@picture_step()
-@in_parts(_skewed_part, lambda region, shape: region.rows / shape[0])
-def skewed(work: Work, picture: Array, *, shape: tuple[int, int], **how: Any) -> Array:
-    return _rows(
-        work, lambda wanted: picture[wanted.slices], Region(0, 0, *shape), shape=shape, **how
-    )

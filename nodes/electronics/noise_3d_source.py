@@ -1,6 +1,5 @@
 """3-D Noise Source: the seven components of noise by their sizes, and 1/f noise."""
 
-from collections.abc import Sequence
 from math import hypot
 
 import numpy as np
@@ -10,7 +9,7 @@ from core.chain.random_fields import FrameNumber
 from core.chain.step_lineage import Array, AtStep, Noise, picture_step
 from core.chain.wires import Image
 from core.errors import ParameterError
-from core.evaluation.recipes import Recipe, Region, ends_lineage, in_parts, pointwise
+from core.evaluation.recipes import Recipe, Region, Seen, by_region, ends_lineage, pointwise
 from core.evaluation.work import Work
 from core.modules.declaration import Caution, Formula, NodeContext, Section, param, readout, warning
 from core.physics.noise.flicker_noise import FlickerBand, flicker_band, flicker_sigma
@@ -169,24 +168,14 @@ class Noise3DSource(
         )
 
 
-def _summed_part(
-    work: Work, region: Region, *fields: Recipe, sigmas: tuple[float, ...], shape: tuple[int, int]
-) -> Array:
-    return _sum(work, work.parts(fields, region), sigmas, region.shape)
-
-
 @ends_lineage
-@in_parts(_summed_part)
-def summed(work: Work, *fields: Array, sigmas: tuple[float, ...], shape: tuple[int, int]) -> Array:
-    return _sum(work, fields, sigmas, shape)
-
-
-def _sum(
-    work: Work, fields: Sequence[Array], sigmas: tuple[float, ...], shape: tuple[int, int]
+@by_region(lambda *_, shape, **__: shape)
+def summed(
+    work: Work, region: Region, *fields: Seen, sigmas: tuple[float, ...], shape: tuple[int, int]
 ) -> Array:
-    total = np.zeros(shape, work.policy.dtype)
+    total = np.zeros(region.shape, work.policy.dtype)
     for field, sigma in zip(fields, sigmas, strict=True):
-        total += field * total.dtype.type(sigma)
+        total += field(region) * total.dtype.type(sigma)
     return total
 
 

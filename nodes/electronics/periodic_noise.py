@@ -7,7 +7,7 @@ import numpy as np
 from core.chain.engine import PlannedNode
 from core.chain.step_lineage import Array, picture_step
 from core.chain.wires import Image
-from core.evaluation.recipes import Region, ends_lineage, in_parts, pointwise
+from core.evaluation.recipes import Region, by_region, ends_lineage, pointwise
 from core.evaluation.work import Work
 from core.modules.declaration import Formula, Module, NodeContext, Section, param
 from core.modules.preview import Axis, Curve, Plot, Preview, brief
@@ -109,7 +109,9 @@ class PeriodicNoise(
         return min(end, _MOST_PERIODS / highest) if highest > 0 else end
 
 
-def _drawn_part(work: Work, region: Region, *, grid: Grid, **values: float) -> Array:
+@ends_lineage
+@by_region(lambda *, grid, **_: grid.shape)
+def drawn(work: Work, region: Region, *, grid: Grid, **values: float) -> Array:
     pattern = np.empty(region.shape, work.policy.dtype)
     rows, columns = region.slices
     x_mrad = np.arange(columns.start, columns.stop) * grid.interval_x_mrad
@@ -121,12 +123,6 @@ def _drawn_part(work: Work, region: Region, *, grid: Grid, **values: float) -> A
     step = max(1, _BLOCK_SAMPLES // region.columns)
     work.for_each(block, [slice(start, start + step) for start in range(0, region.rows, step)])
     return pattern
-
-
-@ends_lineage
-@in_parts(_drawn_part)
-def drawn(work: Work, *, grid: Grid, **values: float) -> Array:
-    return _drawn_part(work, Region(0, 0, *grid.shape), grid=grid, **values)
 
 
 @picture_step(noise=lambda at, *_: [at.known("periodic")])

@@ -11,7 +11,7 @@ from core.chain.noise_power import NoisePower
 from core.chain.step_lineage import Array, Linear, picture_step
 from core.chain.wires import Image
 from core.errors import ParameterError
-from core.evaluation.recipes import Recipe, Region, Step, in_parts
+from core.evaluation.recipes import Region, Seen, Step, by_region
 from core.evaluation.work import Work
 from core.modules.declaration import Caution, Module, NodeContext, Section, readout, warning
 from core.modules.parameters import Formula, param
@@ -223,19 +223,12 @@ class Vignetted(Linear):
         return power.scaled(_means(self.grid, self.law)[1])
 
 
-def _lit_part(work: Work, region: Region, image: Recipe, **how: Any) -> Array:
-    return _lit(work, work.part(image, region), region, **how)
-
-
 @picture_step(linear=lambda _, **how: Vignetted(**how))
-@in_parts(_lit_part)
-def lit(work: Work, image: Array, **how: Any) -> Array:
-    return _lit(work, image, Region(0, 0, *image.shape), **how)
-
-
-def _lit(work: Work, image: Array, region: Region, *, grid: Grid, law: Law) -> Array:
+@by_region(lambda image, **_: image.shape)
+def lit(work: Work, region: Region, image: Seen, *, grid: Grid, law: Law) -> Array:
     """The samples of a region times the relative illumination of each."""
-    made = np.empty(image.shape, image.dtype)
+    samples = image(region)
+    made = np.empty(samples.shape, samples.dtype)
     x, y = (
         1e-3 * interval * (np.arange(first, last) - 0.5 * (size - 1))
         for interval, first, last, size in (
@@ -248,7 +241,7 @@ def _lit(work: Work, image: Array, region: Region, *, grid: Grid, law: Law) -> A
         rows = slice(top, top + step)
         tangent = np.sqrt(np.square(x) + np.square(y[rows, np.newaxis]))
         light = _light(tangent, law)
-        np.multiply(image[rows], light.astype(image.dtype), out=made[rows])
+        np.multiply(samples[rows], light.astype(samples.dtype), out=made[rows])
 
     step = max(1, _BLOCK_SAMPLES // region.columns)
     work.for_each(block, range(0, region.rows, step))

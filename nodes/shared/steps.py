@@ -168,25 +168,17 @@ class OverFrames(recipes.Recipe):
         return self.function(frames(), *others)
 
 
-def _filtered_part(
-    work: Work,
-    region: recipes.Region,
-    picture: recipes.Recipe,
-    *,
-    grid: Grid,
-    label: str,
-    **how: Any,
-) -> Array:
-    wanted = recipes.Region(region.top, 0, region.rows, grid.columns)
-    lines = filter_lines(work, work.part(picture, wanted), grid=grid, **how)
-    return np.ascontiguousarray(lines[:, region.slices[1]])
-
-
 @picture_step(linear=lambda *_, **how: Filtering(**how))
-@recipes.in_parts(_filtered_part, lambda region, shape: region.rows / shape[0])
-def filtered_lines(work: Work, picture: Array, *, label: str, **how: Any) -> Array:
+@recipes.by_region(
+    lambda _, *, grid, **__: grid.shape, lambda region, shape: region.rows / shape[0]
+)
+def filtered_lines(
+    work: Work, region: recipes.Region, picture: recipes.Seen, *, grid: Grid, label: str, **how: Any
+) -> Array:
     """The picture filtered along its lines, as one stage of this label."""
-    return filter_lines(work, picture, **how)
+    wanted = recipes.Region(region.top, 0, region.rows, grid.columns)
+    lines = filter_lines(work, picture(wanted), grid=grid, **how)
+    return np.ascontiguousarray(lines[:, region.slices[1]])
 
 
 def rounding_noises(at: AtStep, step: float) -> list[Noise]:

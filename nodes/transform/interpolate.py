@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from core.chain.noise_power import NoisePower, Operator
 from core.chain.step_lineage import Array, Axis, Linear, PlaceDependent, picture_step
 from core.chain.wires import Image
-from core.evaluation.recipes import Recipe, Region, in_parts
+from core.evaluation.recipes import Region, Seen, by_region
 from core.evaluation.work import Work
 from core.modules.declaration import Formula, Module, NodeContext, param
 from core.physics.sampling.detector_sampling import (
@@ -73,23 +73,18 @@ class Interpolate(Module, key="interpolate", title="Interpolate", group="Transfo
         )
 
 
-def _resampled_part(
-    work: Work, region: Region, image: Recipe, *, old: Size, new: Size, **how: Any
+@picture_step(linear=lambda _, **how: Resampling(**how))
+@by_region(lambda _, *, new, **__: new)
+def resampled(
+    work: Work, region: Region, image: Seen, *, old: Size, new: Size, **how: Any
 ) -> Array:
+    """The image's `old` rows and columns as `new` ones."""
     rows, columns = region.slices
     top, height, along = _needed(taps(old[0], new[0], **how), rows)
     left, width, across = columns.start, region.columns, None
     if old[1] != new[1]:
         left, width, across = _needed(taps(old[1], new[1], **how), columns)
-    return _sampled(work, work.part(image, Region(top, left, height, width)), along, across)
-
-
-@picture_step(linear=lambda _, **how: Resampling(**how))
-@in_parts(_resampled_part)
-def resampled(work: Work, image: Array, *, old: Size, new: Size, **how: Any) -> Array:
-    """The image's `old` rows and columns as `new` ones."""
-    along, across = (taps(old[axis], new[axis], **how) for axis in (0, 1))
-    return _sampled(work, image, along, None if old[1] == new[1] else across)
+    return _sampled(work, image(Region(top, left, height, width)), along, across)
 
 
 def _sampled(work: Work, image: Array, along: Taps, across: Taps | None) -> Array:
