@@ -7,11 +7,8 @@ from core.chain.wires import Image
 from core.errors import ParameterError
 from core.modules.declaration import Formula, NodeContext, Section, param
 from core.physics.optics.field import MOST_DEG, microlens_response
-from nodes.files.curve_tables import read_heights
-from nodes.optics.vignetting import Law, LightOverField, corner, darkened
+from nodes.optics.vignetting import Law, LightOverField, corner, curve, darkened
 from nodes.shared.module_ports import ImageOutput
-
-_BRIGHTEST = 2.0  # times that at a right angle; measured curves may rise a little first
 
 
 class MicrolensAngle(LightOverField, key="microlens", title="Microlens Angle", group="Detector"):
@@ -93,11 +90,7 @@ class MicrolensAngle(LightOverField, key="microlens", title="Microlens Angle", g
             return (*law.items(), ("half_response_deg", self.half_response_deg))
         assert self.path is not None
         file = (here.folder / self.path).absolute()
-        how: dict[str, Any] = {"what": "response", "low": 0.0, "high": _BRIGHTEST}
-        angles, values = zip(*read_heights(file, unit="deg", **how), strict=True)
-        if angles[0] > 0.0:
-            angles, values = (0.0, *angles), (1.0, *values)
-        return (*law.items(), ("angles", angles), ("values", values))
+        return (*law.items(), *curve(file, "angles", "deg", "response"))
 
     @property
     def off(self) -> bool:

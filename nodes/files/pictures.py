@@ -27,7 +27,7 @@ from core.machine import Empty
 from nodes.files import picture_info
 from nodes.files.fits_header import check_sums, read_fits_header, refuse_unsupported
 from nodes.files.stored_bytes import StoredBytes, checked_band, first_bytes, stored_bytes
-from nodes.files.tiff_reading import check_deflate, is_deflated, read_plain_tiff, refuse_predictor
+from nodes.files.tiff_reading import check_deflate, is_deflated, read_plain_tiff
 
 # Rows that a format packs together: 256 of DWAB, fewer of all others.
 _STRIP_ROWS, _STRIP_BYTES = 256, 1 << 25
@@ -252,7 +252,7 @@ def _info(path: Path, picture: Any) -> picture_info.PictureInfo:
         **common,
     )
     if kind == "tiff":
-        refuse_predictor(path)
+        is_deflated(path)  # refused where its packing can be read in two ways
     bits = _stored_bits(path, spec, kind) or 8 * np.dtype(info.dtype).itemsize
     picture_info.refuse_impossible(info, compression=compression, bits=bits)
     if kind != "tiff":  # of which rows are read one after the other

@@ -128,11 +128,6 @@ def channel_of(
     return channel
 
 
-def is_deflated(path: Path) -> bool:
-    with stored_bytes(path) as content:
-        return _packing(content, path)[0] in _DEFLATES
-
-
 def check_deflate(path: Path) -> None:
     """Unpack every strip or tile of the first picture and compare length and checksum.
 
@@ -147,22 +142,27 @@ def check_deflate(path: Path) -> None:
         _each_block(check, read_tiff_layout(content, path).blocks)
 
 
-def refuse_predictor(path: Path) -> None:
-    """Refuse differences between neighbours in a packing that has none.
+def is_deflated(path: Path) -> bool:
+    """Whether the first picture is packed by deflate; an ambiguous predictor is refused.
 
     TIFF 6.0 defines the predictor for LZW, and the library undoes it for that, deflate, LZMA and
     Zstandard; where the tag stands with PackBits or without compression it is passed over. Other
     programs write and read differences there, and nothing in the file shows which it is.
     """
     with stored_bytes(path) as content:
-        compression, predictor = _packing(content, path)
-    packing = _UNPREDICTED.get(compression)
+        try:
+            tags = _read_tags(content)
+            compression = tags.get(_COMPRESSION, (_NONE,))[0]
+        except (KeyError, IndexError, struct.error) as error:
+            raise FileError(f"{path}: this TIFF file has a damaged directory: {error}") from error
+    packing, predictor = _UNPREDICTED.get(compression), next(iter(tags.get(_PREDICTOR, ())), 1)
     if packing is not None and predictor != 1:
         raise FileError(
             f"{path}: predictor {predictor} with {packing} cannot be read, because programs "
             "write this combination in different ways; allowed: predictor 1, or "
             "deflate or LZW compression"
         )
+    return compression in _DEFLATES
 
 
 def tiff_layouts(content: StoredBytes, path: Path) -> Iterator[TiffLayout]:
@@ -229,14 +229,6 @@ def _read_tags(content: StoredBytes, directory: int | None = None) -> Tags:
             # As libtiff does where a tag stands twice: the first one counts.
             tags.setdefault(tag, content.unpack(f"{order}{length}{_INTEGERS[kind]}", place))
     return tags
-
-
-def _packing(content: StoredBytes, path: Path) -> tuple[int, int]:
-    try:
-        tags = _read_tags(content)
-        return tags.get(_COMPRESSION, (_NONE,))[0], next(iter(tags.get(_PREDICTOR, ())), 1)
-    except (KeyError, IndexError, struct.error) as error:
-        raise FileError(f"{path}: this TIFF file has a damaged directory: {error}") from error
 
 
 def _layout(order: str, tags: Tags) -> TiffLayout:

@@ -134,11 +134,7 @@ class Vignetting(LightOverField, key="vignetting", title="Vignetting", group="Op
             return (*law.items(), ("coefficients", self.coefficients))
         assert self.path is not None
         file, unit = (here.folder / self.path).absolute(), _UNITS[self.against]
-        how: dict[str, Any] = {"what": "relative illumination", "low": 0.0, "high": _BRIGHTEST}
-        heights, values = zip(*read_heights(file, unit=unit, **how), strict=True)
-        if heights[0] > 0.0:
-            heights, values = (0.0, *heights), (1.0, *values)
-        return (*law.items(), ("heights", heights), ("values", values))
+        return (*law.items(), *curve(file, "heights", unit, "relative illumination"))
 
     @warning
     def short_table(self, outputs: ImageOutput) -> Caution | None:
@@ -161,6 +157,15 @@ class Vignetting(LightOverField, key="vignetting", title="Vignetting", group="Op
     @property
     def off(self) -> bool:
         return not self.natural and self.measured == "none"
+
+
+def curve(file: Path, against: str, unit: str, what: str) -> Law:
+    """The measured curve of a law, which is 1 at 0."""
+    points = read_heights(file, unit=unit, what=what, low=0.0, high=_BRIGHTEST)
+    places, values = zip(*points, strict=True)
+    if places[0] > 0.0:
+        places, values = (0.0, *places), (1.0, *values)
+    return (against, places), ("values", values)
 
 
 def _planned(outputs: ImageOutput) -> tuple[Grid, Law]:
