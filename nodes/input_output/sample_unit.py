@@ -56,13 +56,11 @@ def sample_unit(info: PictureInfo, *, typed: str, scale: float, integrated: bool
             _refuse_unnamed(info, named=chosen or scale != 1.0)
         return _of_typed(info, typed, own, integrated)
     try:
-        stored = radiance_unit(info.unit)
-    except DataError as error:
+        stored = _stored(info, "unit or scale")
+    except FileError:
         if chosen and not integrated:
             return _of_typed(info, typed, own, integrated)
-        raise FileError(
-            f"{info.path}: {error.message}; correct the header, or give unit or scale"
-        ) from error
+        raise
     if stored is None:
         return _of_typed(info, typed, own, integrated) if chosen else SampleUnit(info.unit, 1.0)
     file_unit = stored.integrated if integrated else stored
@@ -87,12 +85,7 @@ def spectral_unit(info: PictureInfo, *, typed: str, scale: float) -> RadianceUni
     own = _typed(typed)
     chosen = bool(typed) and own != RadianceUnit(1.0)
     if info.unit and scale == 1.0:
-        try:
-            stored = radiance_unit(info.unit)
-        except DataError as error:
-            raise FileError(
-                f"{info.path}: {error.message}; correct the header, or give unit and scale"
-            ) from error
+        stored = _stored(info, "unit and scale")
         if chosen and (own and own.name) != (stored and stored.name):
             allowed = f"give a unit of the same kind as the file's unit, {info.unit}, or give scale"
             raise ParameterError("unit", typed, allowed)
@@ -110,6 +103,15 @@ def _refuse_unnamed(info: PictureInfo, *, named: bool) -> None:
             f"{info.path}: the header has no data units: add a line such as data units = "
             "W/m^2/sr/um, or set unit to the samples' unit, such as W/cm²/sr/µm or DN"
         )
+
+
+def _stored(info: PictureInfo, remedy: str) -> RadianceUnit | None:
+    try:
+        return radiance_unit(info.unit or "")
+    except DataError as error:
+        raise FileError(
+            f"{info.path}: {error.message}; correct the header, or give {remedy}"
+        ) from error
 
 
 def _typed(text: str) -> RadianceUnit | None:
