@@ -112,12 +112,12 @@ def test_scene(
     surfaces have the spectra of grass, leaves, soil, water, asphalt, concrete, brick, paint and
     glass, coarsely sampled. Surfaces emit at their own temperature and reflect the sky. With
     `sun_elevation_deg`, surfaces also reflect sunlight, which lights scenes from 0.4 to 2.5 µm.
-    Targets are black in all bands. With `emissivity` grey, every surface keeps a single emissivity;
-    without sunlight, the bands then add up to the picture for `bands` = 0. If `quantity` is
-    reflectance, the samples are surface reflectances, as input for Reflected Light. Shade and sky
-    get the reflectance of a sunlit surface that looks as bright. If `quantity` is reflectance,
-    targets have `target_reflectance` and their background has `background_reflectance`, at all
-    wavelengths.
+    Targets and their backgrounds are black bodies in all bands. With `emissivity` grey, every
+    surface keeps a single emissivity; without sunlight, the bands then add up to the picture for
+    `bands` = 0. If `quantity` is reflectance, the samples are surface reflectances, as input for
+    Reflected Light. Shade and sky get the reflectance of a sunlit surface of the same brightness.
+    If `quantity` is reflectance, targets have `target_reflectance` and their background has
+    `background_reflectance`, at all wavelengths.
 
     Parameters
     ----------
@@ -140,8 +140,8 @@ def test_scene(
         number of spectral bands of equal width; 0: a single band: a whole number from 0 to 4096;
         default 0
     emissivity : Literal['spectra', 'grey']
-        spectra of the surfaces, used if bands is above 0: from the surfaces' materials, or grey:
-        one of spectra, grey; default 'spectra'
+        emissivity of the surfaces if bands is above 0: spectra of the materials, or grey: one of
+        spectra, grey; default 'spectra'
     quantity : Literal['radiance', 'reflectance']
         quantity of the samples: radiance, or reflectance for Reflected Light: one of radiance,
         reflectance; default 'radiance'
@@ -151,16 +151,17 @@ def test_scene(
     target_reflectance : float | Expression
         reflectance of a target, used if quantity is reflectance: a number from 0 to 1; default 0.15
     sun_elevation_deg : float | Expression
-        elevation of the Sun, used if bands is above 0; 0: no Sun [deg]: a number from 0 to 90;
+        elevation of the Sun (0: no Sun), used if bands is above 0 [deg]: a number from 0 to 90;
         default 0.0
     temperature_K : float | Expression
         background temperature [K]: a number above 0; default 303.15
     delta_K : float | Expression
         target temperature minus background temperature [K]: a number; default 10.0
     angle_deg : float | Expression
-        direction of the edge's normal or of the wave [deg]: a number; default 5.0
+        direction of the edge's normal or of the sine wave, clockwise from horizontal [deg]: a
+        number; default 5.0
     frequency : float | Expression
-        cycles per frame width, or spokes of the star: a number above 0; default 16.0
+        cycles per frame width, or number of spokes of the star: a number above 0; default 16.0
 
     Notes
     -----
@@ -250,7 +251,8 @@ def examine_image(
     Parameters
     ----------
     display : Literal['linear', 'log', 'centred_spectrum']
-        how the samples are shown: one of linear, log, centred_spectrum; default 'linear'
+        how the samples are shown: linear, logarithmic, or as a spectrum with zero frequency in the
+        middle: one of linear, log, centred_spectrum; default 'linear'
     probe_x : int | Expression | None
         column of the sample to report, counted from 0: a whole number of at least 0 or empty;
         default empty
@@ -300,7 +302,7 @@ def init_trans(
     focal_length_mm : float | Expression | None
         effective focal length [mm]: a number of at least 0 or empty; default empty
     f_number : float | Expression | None
-        F number: a number of at least 0 or empty; default empty
+        F-number: a number of at least 0 or empty; default empty
     obscuration_ratio : float | Expression | None
         obscuration: inner diameter of the aperture divided by its outer diameter; empty: from
         Camera, or no obscuration: a number from 0 below 1 or empty; default empty
@@ -341,8 +343,8 @@ def back_transform(
 ) -> Part:
     """Compute the image from a magnitude and a phase.
 
-    Magnitude and phase may come from different images of the same size: the result is then
-    |A|·exp(i·∠B), with periodic edges. Source: Tantalo 1996, section 4.1.
+    Magnitude and phase may come from different images A and B of the same size. The result then has
+    the spectrum |A|·exp(i·∠B) and periodic edges. Source: Tantalo 1996, section 4.1.
 
     Notes
     -----
@@ -427,7 +429,7 @@ def anti_alias(
     kernel: Literal['box', 'gaussian', 'lanczos'] = 'box',
     factor: int | Expression = 1,
 ) -> Part:
-    """Filter out frequencies that would alias if only every factor-th sample were kept.
+    """Filter out frequencies that would alias in a picture decimated by `factor`.
 
     No sample is dropped. Use this filter before Interpolate decimates with order 0, if there is no
     Detector MTF. `box` is the mean of `factor` samples, centred for even factors too. `gaussian`
@@ -648,14 +650,14 @@ def atmospheric_path(
     transmission is exp(−β·R). `visibility_km`: Koschmieder's β = 3.912/V at 0.55 µm, times
     (0.55/λ)^q. `modtran`: a tape7 or the JSON output of MODTRAN (columns FREQ, TOT TRANS and the
     path radiances; 10⁸/λ² converts W/cm²/sr per cm⁻¹ to W/m²/sr/µm), or a CSV of wavelength_um,
-    transmission, path_radiance (W/m²/sr/µm). The path radiance comes from the file, or is (1 − τ)·L
-    of a black body at `air_K`.
+    transmission, path_radiance (W/m²/sr/µm). The path radiance comes from the file, or is (1 − τ)
+    times the radiance of a black body at `air_K`.
 
     `modtran_tables`: pyBSM's tables of MODTRAN 5.2.1, 0.3 to 14 µm, for a target on the ground, a
-    mid-latitude summer and the sun at 40°. Between the tables, −ln τ/R and L/(1 − τ) are
-    interpolated over height and ground range. With every second table left out as a test, a band's
-    transmission is off by 0.007 rms and 0.06 at most. Air above 24.5 km is neglected: at nadir,
-    from 0.5 to 0.8 µm, this raises the transmission from 0.681 to 0.688. Install the extra
+    mid-latitude summer and the sun 40° above the horizon. Between the tables, −ln τ/R and L_path/(1
+    − τ) are interpolated over height and ground range. With every second table left out as a test,
+    a band's transmission is off by 0.007 rms and 0.06 at most. Air above 24.5 km is neglected: at
+    nadir, from 0.5 to 0.8 µm, this raises the transmission from 0.681 to 0.688. Install the extra
     `atmosphere` to use `modtran_tables`.
 
     A picture with one band is multiplied by the band's mean transmission. The mean is weighted by
@@ -740,10 +742,10 @@ def atmosphere_mtf(
     plateau of exp(−τ) beyond it. τ comes from an aerosol level (plateau 0.99, 0.975 or 0.955), a
     number, or the scattering coefficient along the path. On a downward or upward path, the
     scattering coefficient falls exponentially with height. Absorption attenuates all frequencies
-    equally and does not blur: use Atmospheric Path. The blur is stronger looking up than looking
-    down, because the strongest turbulence is then near the aperture. r0 scales with λ^(6/5), and
-    the aerosol cutoff ρc with 1/λ. Each band of a spectral picture is blurred at its own
-    wavelength.
+    equally and does not blur; for absorption, use Atmospheric Path. The blur is stronger looking up
+    than looking down, because the strongest turbulence is then near the aperture. r0 scales with
+    λ^(6/5), and the aerosol cutoff ρc with 1/λ. Each band of a spectral picture is blurred at its
+    own wavelength.
 
     Sources: Tantalo 1996, section 4.2; Fried 1966; Sadot and Kopeika 1992.
 
@@ -757,7 +759,7 @@ def atmosphere_mtf(
     fwhm_mrad : float | Expression
         full width at half maximum of the blur [mrad]: a number of at least 0; default 0.0
     fried_r0_m : float | Expression | None
-        Fried's r0; empty: from Cn² [m]: a number of at least 0 or empty; default empty
+        Fried's r0; empty: computed from Cn² [m]: a number of at least 0 or empty; default empty
     wavelength_um : float | Expression | None
         wavelength of the blur; empty: the middle of the band, or of each band of a cube [µm]: a
         number of at least 0 or empty; default empty
@@ -774,8 +776,8 @@ def atmosphere_mtf(
         Cn² along a horizontal path, or at the ground for a vertical path [m^(-2/3)]: a number of at
         least 0 or empty; default empty
     turbidity : Literal['none', 'low', 'moderate', 'high', 'custom']
-        aerosol level; custom: from scatter_depth, or from scattering_per_km along the path: one of
-        none, low, moderate, high, custom; default 'none'
+        aerosol level; custom: τ from scatter_depth, or from scattering_per_km along the path: one
+        of none, low, moderate, high, custom; default 'none'
     scatter_depth : float | Expression | None
         optical depth τ, used when turbidity is custom; empty: from scattering_per_km: a number of
         at least 0 or empty; default empty
@@ -783,8 +785,9 @@ def atmosphere_mtf(
         cutoff frequency: particle radius over wavelength [cyc/mrad]: a number above 0; default
         0.001
     particle_radius_um : float | Expression | None
-        particle radius, which sets the cutoff (radius over wavelength); empty: from
-        turbidity_cutoff_cyc_per_mrad [µm]: a number from 0 to 1e+06 or empty; default empty
+        particle radius, which sets the cutoff (radius over wavelength); empty:
+        turbidity_cutoff_cyc_per_mrad sets the cutoff [µm]: a number from 0 to 1e+06 or empty;
+        default empty
     view : Literal['horizontal', 'vertical', 'up']
         line of sight, used with scattering_per_km and Cn²; vertical: looking down from a height;
         up: looking up to a height: one of horizontal, vertical, up; default 'horizontal'
@@ -828,25 +831,25 @@ def camera(
 ) -> Part:
     """Enter a camera's data once, for Init & Trans and all modules after it.
 
-    The image passes through unchanged and carries the data: pitch, focal length, F-number, fill
-    factor and range for Init & Trans and all modules after it; aperture and obscuration for
-    Diffraction MTF; pitch for Sample Pixels. Init & Trans uses the data for parameters left empty
-    there. Any two of focal length, F-number and aperture determine the third. An image without a
-    sampling interval, or with the same field of view as the lens, 2·atan(Np/2f), gets its sampling
-    interval from the pixel angle on the axis, because a wide field must not be divided into equal
+    The image passes through unchanged and carries the data. Init & Trans and all modules after it
+    use pitch, focal length, F-number, fill factor and range. Diffraction MTF uses aperture and
+    obscuration, and Sample Pixels uses the pitch. Init & Trans uses the data for parameters left
+    empty there. Any two of focal length, F-number and aperture determine the third. An image
+    without a sampling interval gets one from the pixel angle on the axis. So does an image with the
+    same field of view as the lens, 2·atan(Np/2f): a wide field must not be divided into equal
     angles. A warning names values that disagree; nothing is corrected.
 
     On a satellite, altitude and look angle give range, elevation and the velocity of the scene
     across the line of sight. The orbit is circular and the Earth a sphere. The Earth's rotation is
-    neglected: in a low orbit it changes the speed by up to 7 % or the direction by up to 4°
-    (`yaw_deg` of TDI MTF), in a high orbit by more. Above an altitude of 2000 km, a warning states
-    the error in speed.
+    neglected. In a low orbit, it changes the speed by up to 7 % or the direction by up to 4°
+    (`yaw_deg` of TDI MTF); in a high orbit, it changes them more. Above an altitude of 2000 km, a
+    warning states the error in speed.
 
     The obscuration blocks light: electrons, NETD and SNR use the open share of the aperture, 1 −
     ε², and the F-number of the full aperture. A T-number replaces F-number, obscuration and
     transmission in radiometry; diffraction keeps the F-number. `irradiance` sets how the light
     depends on the F-number or T-number: `disc` (π/(4F² + 1)) is exact for a flat pupil seen from
-    the axis and usual in infrared work; `sine` (π/(4F²)) is exact for a lens corrected for coma,
+    the axis and usual in infrared work. `sine` (π/(4F²)) is exact for a lens corrected for coma,
     such as a fast photographic or infrared lens. The values of `disc` and `sine` differ by 25 % at
     F/1 and by 1.6 % at F/4. Sources: Holst 2008, Electro-Optical Imaging System Performance,
     chapters 2 and 10 (pixel angle, f-number, GSD); Kingslake 1983, Optical System Design, chapter 6
@@ -1014,14 +1017,14 @@ def exit_pupil(
     Lengths are in samples, and shapes are centred on the array; Exit Pupil MTF sets the scale.
     `clear` and `half_moon` (x ≥ 0) ignore the obscuration. `hinged` is a disc with an opaque bar
     over the full height. `cassegrain_slit` has the same bar on an annulus; `spider` is an annulus
-    with vanes at 360°/n from +x.
+    with n vanes, 360°/n apart, the first along +x.
 
     The wavefront error is in waves at the band's mean wavelength, defined on a disc with the
     aperture's radius. For a file, the disc is the smallest circle around all samples above 1 % of
     the largest. The circle is centred on the array if centring increases its radius by at most one
     sample. A `radius` that you enter is always centred on the array. The read-out `aperture_radius`
     gives the radius used. A wavefront map (picture, FITS, `.npy`, text, Zemax listing) is added to
-    defocus and Zernike terms. Outside the aperture the map must be NaN, or zero out to the border
+    defocus and Zernike terms. Outside the aperture, the map must be NaN, or 0 as far as the border
     of the array. Where the map has no value, the pupil is opaque. A map in waves applies at its own
     wavelength; a map in µm is an optical path difference, the same at all wavelengths. A complex
     `.npy` in `path` contains amplitude and phase, valid only at its own wavelength. Row 0 is at the
@@ -1049,8 +1052,8 @@ def exit_pupil(
     vane_width : float | Expression
         width of a vane [samples]: a number of at least 0; default 4.0
     path : str | PathLike[str] | None
-        amplitude transmission for the shape `file`, or a complex `.npy`; empty: from the wavefront
-        map: a file name or empty; default empty
+        file of the amplitude transmission, or a complex `.npy`, for the shape `file`; empty: 1
+        where the wavefront map has a value: a file name or empty; default empty
     wavefront_path : str | PathLike[str] | None
         map of the wavefront error for the shape `file`, relative to the network file's folder: a
         file name or empty; default empty
@@ -1095,9 +1098,9 @@ def exit_pupil_mtf(
     (sunlight) for a band that begins below 2.5 µm, and otherwise the brightness temperature of the
     picture's mean radiance. A spectral picture is blurred band by band, each band at its own
     wavelength. With interpolation `none`, the module outputs the raw autocorrelation at the pupil's
-    own frequency intervals and does not blur the picture. Sizes refer to the whole pupil array.
-    Source: Tantalo 1996, eqs. 4.10 to 4.21. Erratum: the cutoff is aperture/λ. The 12.8 in eq. 4.21
-    is the array's half width over λ.
+    own frequency intervals and does not blur the picture. `size_x_cm` and `size_y_cm` are the
+    sizes of the whole pupil array. Source: Tantalo 1996, eqs. 4.10 to 4.21. Erratum: the cutoff is
+    aperture/λ. The 12.8 in eq. 4.21 is the array's half width over λ.
 
     Parameters
     ----------
@@ -1112,8 +1115,8 @@ def exit_pupil_mtf(
     size_y_cm : float | Expression
         height of the whole pupil array [cm]: a number above 0; default 25.6
     method : Literal['exact', 'autocorrelation']
-        exact: closed form if there is one; autocorrelation: always from the sampled pupil: one of
-        exact, autocorrelation; default 'exact'
+        exact: closed-form OTF if there is one; autocorrelation: always the sampled pupil's OTF: one
+        of exact, autocorrelation; default 'exact'
     interpolation : Literal['none', 'linear', 'bilinear']
         interpolation from the sampled pupil to the image's frequencies: one of none, linear,
         bilinear; default 'bilinear'
@@ -1154,7 +1157,7 @@ def vignetting(
 ) -> Part:
     """Darken the picture with distance from the optical axis, which is at the picture's middle.
 
-    `natural` applies cos⁴ of the field angle; the tangent of the angle is the distance from the
+    `natural` applies cos⁴ of the field angle. The tangent of the angle is the distance from the
     middle in samples times the sampling interval, which is pitch/f for a picture from Camera.
     `measured` applies a measured curve of relative illumination: a CSV of height and value, or 1 +
     c₁h² + c₂h⁴ + …. `against` selects the height axis: field angle, image height, or fraction of
@@ -1163,8 +1166,8 @@ def vignetting(
     light. Transfer functions do not change. Signal and SNR use the mean over the field; NETD and
     `scene_K` refer to the scene before the vignetting. For a thermal picture with one band, Focal
     Plane converts radiance to photons at the brightness temperature that the picture had before the
-    mean loss: a sample with half the mean light gets 0.3 % too many photons (3.7 to 4.8 µm). This
-    error does not occur with spectral pictures, or if `photon_weighting` is not scene. Source:
+    mean loss. A sample with half the mean light then gets 0.3 % too many photons (3.7 to 4.8 µm).
+    This error does not occur with spectral pictures, or if `photon_weighting` is not scene. Source:
     Kingslake 1983, Optical System Design, chapter 6.
 
     Parameters
@@ -1283,12 +1286,12 @@ def field_psf(
     The picture is blurred in overlapping tiles; within a tile, the PSFs of its four corners are
     blended. `error_percent` is an upper limit on the error of any sample, compared with a blur by
     that sample's own PSF, in percent of the picture's range. In real scenes the error is about ten
-    times smaller. Smaller tiles reduce the blending error. The blur uses a margin around each tile:
-    half a tile, at least 16 samples, and up to 1024 if a narrower margin would lose more than 0.5 %
-    of a PSF's light. A tile is at least a quarter as wide as its margin. Beyond the frame the
-    picture is mirrored, or repeated if Back Transform made it periodic. Budgets, MTFs and figures
-    of merit use the PSF of the first position. Source: Nagy and O'Leary 1998, SIAM J. Sci. Comput.
-    19, 1063.
+    times smaller. Smaller tiles reduce the blending error. Around each tile, the blur uses a
+    margin of half a tile, but at least 16 samples. If this margin would lose more than 0.5 % of a
+    PSF's light, it is widened, up to 1024 samples. A tile is at least a quarter as wide as its
+    margin. Beyond the frame the picture is mirrored, or repeated if Back Transform made it
+    periodic. Budgets, MTFs and figures of merit use the PSF of the first position. Source: Nagy and
+    O'Leary 1998, SIAM J. Sci. Comput. 19, 1063.
 
     Parameters
     ----------
@@ -1305,17 +1308,17 @@ def field_psf(
         rms width across the radius; empty: equal to tangential_mrad [mrad]: a list of numbers from
         0 to 1e+06; default ()
     path_1 : str | PathLike[str] | None
-        MTF or PSF file of one position, in the order of positions: a file name or empty; default
-        empty
+        MTF or PSF file of one position; files follow the order of positions: a file name or empty;
+        default empty
     path_2 : str | PathLike[str] | None
-        MTF or PSF file of one position, in the order of positions: a file name or empty; default
-        empty
+        MTF or PSF file of one position; files follow the order of positions: a file name or empty;
+        default empty
     path_3 : str | PathLike[str] | None
-        MTF or PSF file of one position, in the order of positions: a file name or empty; default
-        empty
+        MTF or PSF file of one position; files follow the order of positions: a file name or empty;
+        default empty
     path_4 : str | PathLike[str] | None
-        MTF or PSF file of one position, in the order of positions: a file name or empty; default
-        empty
+        MTF or PSF file of one position; files follow the order of positions: a file name or empty;
+        default empty
     sample_pitch_um : float | Expression | None
         sampling interval of PSF files; empty: from the file [µm]: a number of at least 0 or empty;
         default empty
@@ -1343,8 +1346,8 @@ def veiling_glare(
 ) -> Part:
     """Spread a share of the light over a wide area, like scatter and ghosts in the lens.
 
-    The point spread function has two parts: a share 1 − g of the light is not spread, and the share
-    g falls off with distance as ℓ/(2π(r² + ℓ²)^(3/2)), with half of this light within √3·ℓ. The MTF
+    The point spread function has two parts. A share 1 − g of the light is not spread. The share g
+    falls off with distance as ℓ/(2π(r² + ℓ²)^(3/2)), with half of this light within √3·ℓ. The MTF
     drops to 1 − g over a few cycles per ℓ: dark areas near bright ones become brighter, and fine
     detail loses a fraction g of its contrast. If g is not known otherwise, enter the veiling glare
     index of the lens, measured as in ISO 9358 in a small black area within an evenly bright field.
@@ -1518,8 +1521,8 @@ def psf_file(
     Parameters
     ----------
     path : str | PathLike[str] | None
-        picture of a point, relative to the network file's folder; empty: no blur: a file name or
-        empty; default empty
+        PSF file, relative to the network file's folder; empty: no blur: a file name or empty;
+        default empty
     band : int | Expression | None
         band or channel to read, counted from 0: a whole number of at least 0 or empty; default
         empty
@@ -1559,9 +1562,10 @@ def crosstrack_mtf(
     dwell_time_s: float | Expression = 0.0,
     scan_velocity_mrad_per_s: float | Expression | None = None,
 ) -> Part:
-    """Smear across the track from the scan within one dwell time; off until you enter a dwell time.
+    """Smear across the track from the scan during one dwell time.
 
-    The MTF is sinc(v·t·xi). Source: Tantalo 1996, section 4.4.1; the thesis neglects this smear.
+    The MTF is sinc(v·t·xi). A dwell time of 0 gives no smear. Source: Tantalo 1996, section 4.4.1;
+    the thesis neglects this smear.
 
     Parameters
     ----------
@@ -1593,7 +1597,7 @@ def alongtrack_mtf(
     """Smear along the track from the platform's forward motion while a sample is collected.
 
     The MTF is sinc(b·eta) with b = velocity·time/range. Source: Tantalo 1996, eqs. 4.24 to 4.28.
-    Erratum: the width 134 of eq. 4.28 is in cycles/rad.
+    Erratum: the width 134 in eq. 4.28 is in cycles/rad, not cycles/mrad.
 
     Parameters
     ----------
@@ -1632,8 +1636,8 @@ def relative_motion_mtf(
 
     `published` is the product sinc(bx·xi)·sinc(by·eta), a rectangle (eq. 4.31). `line` is
     sinc(bx·xi + by·eta), the straight smear at constant velocity. A relative velocity of zero gives
-    an MTF of exactly 1. Source: Tantalo 1996, eqs. 4.29 to 4.35. Erratum: the widths 160 and 201 of
-    eqs. 4.34 and 4.35 are in cycles/rad.
+    an MTF of exactly 1. Source: Tantalo 1996, eqs. 4.29 to 4.35. Erratum: the widths 160 and 201 in
+    eqs. 4.34 and 4.35 are in cycles/rad, not cycles/mrad.
 
     Parameters
     ----------
@@ -1670,7 +1674,7 @@ def jitter_mtf(
     apply: Literal['multiply', 'filter_only'] = 'multiply',
     sigma_mrad: float | Expression = 0.02,
 ) -> Part:
-    """Blur by random line-of-sight motion within one exposure (Gaussian).
+    """Blur by random line-of-sight motion within one exposure, with a Gaussian distribution.
 
     The MTF is exp(−2π²σ²(xi² + eta²)). Source: Tantalo 1996, eq. 4.36, after Pinsky 1991 (typical
     rms motion: 20 to 60 µrad). Erratum: the thesis calls σ² the variance in µrad and gives σ in
@@ -1703,9 +1707,9 @@ def vibration_mtf(
 ) -> Part:
     """Blur by sinusoidal vibration of the line of sight.
 
-    Over a whole number of periods, the MTF is J0(2πA·xi). A remaining part of a period is
-    integrated from phase 0 and weighted by time. Without a frequency or an integration time, many
-    periods are assumed. The two axes are independent. Source: Kopeika 1998.
+    Over a whole number of periods, the MTF is J0(2πA·xi), where A is the amplitude. A remaining
+    part of a period is integrated from phase 0 and weighted by time. Without a frequency or an
+    integration time, many periods are assumed. The two axes are independent. Source: Kopeika 1998.
 
     Parameters
     ----------
@@ -1744,13 +1748,13 @@ def line_of_sight(
 ) -> Part:
     """Move the line of sight at random; the motion blurs each exposure and shifts each frame.
 
-    The angle has the power spectral density S = rms²·(2/π)/(corner·(1 + (f/corner)²)), or the
-    density in `psd_path`; the two axes are independent. Motion about the mean position of an
-    exposure gives an MTF, the mean over the exposure of exp(−2π²·v(t)·ξ²). The mean position, with
-    spectrum S·sinc²(fT), shifts each frame of a sequence by a phase ramp, −2π·ξ·shift. A single
-    picture is frame 0 and is also shifted. 3-D Noise includes the pixel changes from this motion in
-    its measurement, but not in its prediction. Sources: Papoulis 1991, chapter 10; Kopeika 1998,
-    chapter 14.
+    The line-of-sight angle has the power spectral density S = rms²·(2/π)/(corner·(1 +
+    (f/corner)²)), or the density in `psd_path`; the two axes are independent. Motion about the mean
+    position of an exposure gives an MTF, the mean over the exposure of exp(−2π²·v(t)·ξ²). The mean
+    position, with spectrum S·sinc²(fT), shifts each frame of a sequence by a phase ramp,
+    −2π·ξ·shift. A single picture is frame 0 and is also shifted. 3-D Noise includes the pixel
+    changes from this motion in its measurement, but not in its prediction. Sources: Papoulis 1991,
+    chapter 10; Kopeika 1998, chapter 14.
 
     Parameters
     ----------
@@ -1767,8 +1771,8 @@ def line_of_sight(
         frequency at which the power density has fallen to half its low-frequency value [Hz]: a
         number from 1e-06 to 1e+09; default 5.0
     psd_path : str | PathLike[str] | None
-        CSV file of frequency (Hz) and density (mrad²/Hz, horizontal and vertical); empty: from rms
-        and corner: a file name or empty; default empty
+        CSV file of frequency (Hz) and one-sided power density (mrad²/Hz, horizontal and vertical);
+        empty: calculated from rms motion and corner frequency: a file name or empty; default empty
     integration_time_s : float | Expression
         exposure time [s]: a number from 0 to 1e+06; default 0.01
     frame_rate_Hz : float | Expression
@@ -1843,17 +1847,17 @@ def charge_diffusion_mtf(
 ) -> Part:
     """Blur by charge diffusion: carriers generated outside the depletion region diffuse into it.
 
-    Front side: [1 − e^(−αd)/(1 + αL_f)]/[1 − e^(−αd)/(1 + αL₀)], with L_f = L₀/√(1 + (2πL₀f)²).
-    Here, α is the absorption coefficient, d is depletion_um, L₀ is diffusion_length_um, and f is
-    the frequency on the detector. For back illumination, the detector is assumed to be thinned,
-    with a passivated surface. Most carriers in a back-illuminated detector are generated near the
-    back and cross the undepleted silicon (thickness_um minus depletion_um). If absorption_per_um is
-    empty, the MTF is averaged over the band of the cold filter or the picture, for silicon at 295
-    K. The average assumes the same number of photons at all wavelengths and weights each wavelength
-    by the carriers generated. With front illumination, red and near-infrared light is blurred most,
-    because it is absorbed deep in the silicon. With back illumination, blue light is blurred most.
-    Sources: Seib 1974; Crowell and Labuda 1969; Holst and Lomheim 2007, chapter 10; Schinke et al.
-    2015 (silicon).
+    With front illumination, the MTF is [1 − e^(−αd)/(1 + αL_f)]/[1 − e^(−αd)/(1 + αL₀)], with L_f =
+    L₀/√(1 + (2πL₀f)²). Here, α is the absorption coefficient, d is depletion_um, L₀ is
+    diffusion_length_um, and f is the frequency on the detector. For back illumination, the detector
+    is assumed to be thinned, with a passivated surface. Most carriers in a back-illuminated
+    detector are generated near the back and cross the undepleted silicon (thickness_um minus
+    depletion_um). If absorption_per_um is empty, the MTF is averaged over the band of the cold
+    filter or the picture, for silicon at 295 K. The average assumes the same number of photons at
+    all wavelengths and weights each wavelength by the carriers generated. With front illumination,
+    red and near-infrared light is blurred most, because it is absorbed deep in the silicon. With
+    back illumination, blue light is blurred most. Sources: Seib 1974; Crowell and Labuda 1969;
+    Holst and Lomheim 2007, chapter 10; Schinke et al. 2015 (silicon).
 
     Parameters
     ----------
@@ -1943,8 +1947,8 @@ def charge_eff_mtf(
     efficiency : float | Expression
         fraction of the charge that each transfer passes on: a number from 0 to 1; default 0.99999
     model : Literal['exact', 'published', 'leading']
-        exact: product over all transfers; published: eqs. 4.57-4.58; leading: leading term only:
-        one of exact, published, leading; default 'exact'
+        exact: product over all transfers; published: eqs. 4.57-4.58 of Tantalo 1996; leading:
+        leading term only: one of exact, published, leading; default 'exact'
     nyquist : Literal['image', 'detector']
         distance between charge packets: one image sample, or one detector pitch: one of image,
         detector; default 'image'
@@ -1982,8 +1986,8 @@ def charge_eff_phase(
     efficiency : float | Expression
         fraction of the charge that each transfer passes on: a number from 0 to 1; default 0.99999
     model : Literal['exact', 'published', 'leading']
-        exact: product over all transfers; published: eqs. 4.57-4.58; leading: leading term only:
-        one of exact, published, leading; default 'exact'
+        exact: product over all transfers; published: eqs. 4.57-4.58 of Tantalo 1996; leading:
+        leading term only: one of exact, published, leading; default 'exact'
     nyquist : Literal['image', 'detector']
         distance between charge packets: one image sample, or one detector pitch: one of image,
         detector; default 'image'
@@ -2010,7 +2014,7 @@ def tdi_mtf(
 ) -> Part:
     """Blur by time delay and integration: stepwise charge motion and a velocity mismatch.
 
-    Relative to the middle of the exposure, the MTF is sinc((1 +
+    With phase measured from the middle of the exposure, the transfer function is sinc((1 +
     m)·s·f)·sin(πNm·s·f)/(N·sin(πm·s·f)). Here, m is the image velocity divided by the charge
     velocity, minus 1; s is the pitch divided by `phases`, and N = stages·phases. With
     `line_rate_Hz`, m follows from the scene's velocity and range (Init & Trans, or Camera's orbit).
@@ -2201,9 +2205,9 @@ def focal_plane(
 
     The steps, in this order: shot noise of all electrons, drawn for every pixel; PRNU and DSNU,
     which are the same in every frame; nonlinearity, which grows towards the full well; read noise;
-    clipping at the full well; gain; offset; rounding to whole numbers. PRNU multiplies all
-    electrons by 1 + p·deviate, including dark-current electrons; EMVA 1288 defines PRNU on the
-    light signal only.
+    clipping at the full well; gain; offset; rounding to whole numbers. A PRNU of p multiplies all
+    electrons, including dark-current electrons, by 1 + p times a normal deviate; EMVA 1288 defines
+    PRNU on the light signal only.
 
     Give the quantum efficiency as a number, in per cent, in A/W or as a curve over wavelength. On
     Camera, you can give a T-number, which includes the transmission, and choose the sine condition.
@@ -2211,7 +2215,7 @@ def focal_plane(
 
     Radiance is converted to photons with the spectrum of a black body at the scene's brightness
     temperature (`scene`) or at `source_K` (`source`), or with the band's middle wavelength
-    (`middle`); the table lists the signal for each choice. For a spectral picture, each band is
+    (`middle`). The table lists the signal for each choice. For a spectral picture, each band is
     converted to photons with the response at its wavelength. For a band that begins below 2.5 µm,
     which is not thermal, `scene` means `source`. NETD, SNR and well fill refer to the picture's
     mean; if the mean is clipped, there is no NETD, SNR or NEI. `snr_at_reference` is the SNR of a
@@ -2233,8 +2237,8 @@ def focal_plane(
     electrons and reads them once; register_well_e limits the sum. `digital` reads each pixel and
     sums the digital numbers: read noise grows with the square root of the number of pixels, and
     `saturated` is the share of saturated pixels. If `units` is radiance, a bin is the mean of its
-    pixels. Binning multiplies the MTF by sin(πnξΔ)/(n·sin(πξΔ)), where Δ is the pixel pitch.
-    Leftover rows and columns are dropped.
+    pixels. Binning n pixels multiplies the MTF by sin(πnξΔ)/(n·sin(πξΔ)), where Δ is the pixel
+    pitch. Leftover rows and columns are dropped.
 
     Sources: Dereniak and Boreman 1996; Janesick 2007, Photon Transfer; EMVA 1288 (also doubling of
     the dark current); Tennant et al. 2008 (Rule 07); Levine 1993 (gain of QWIPs); Robbins and
@@ -2268,11 +2272,11 @@ def focal_plane(
         CSV file of wavelength (µm) and quantum efficiency; if given, it replaces
         quantum_efficiency: a file name or empty; default empty
     cut_on_um : float | Expression | None
-        shortest wavelength of the cold filter; empty: the image's band [µm]: a number of at least 0
-        or empty; default empty
+        shortest wavelength of the cold filter; empty: start of the image's band [µm]: a number of
+        at least 0 or empty; default empty
     cut_off_um : float | Expression | None
-        longest wavelength of the cold filter; empty: the image's band [µm]: a number of at least 0
-        or empty; default empty
+        longest wavelength of the cold filter; empty: end of the image's band [µm]: a number of at
+        least 0 or empty; default empty
     photon_weighting : Literal['scene', 'source', 'middle']
         spectrum used to convert radiance to photons: a black body at the scene's temperature or at
         source_K, or the band's middle wavelength: one of scene, source, middle; default 'scene'
@@ -2306,8 +2310,8 @@ def focal_plane(
         temperature of the detector, for Rule 07 and dark_doubling_K [K]: a number from 0 to 1000 or
         empty; default empty
     material_cutoff_um : float | Expression | None
-        cutoff of the detector material, for Rule 07 [µm]: a number from 0 to 100 or empty; default
-        empty
+        cutoff wavelength of the detector material, for Rule 07 [µm]: a number from 0 to 100 or
+        empty; default empty
     full_well_e : float | Expression | None
         electrons that a pixel can hold; empty: unlimited [e-]: a number of at least 0 or empty;
         default empty
@@ -2333,9 +2337,10 @@ def focal_plane(
     read_noise_e : float | Expression
         read noise [e-]: a number from 0 to 1e+12; default 0.0
     prnu_percent : float | Expression
-        PRNU: spread of the response between pixels [%]: a number from 0 to 100; default 0.0
+        PRNU: rms spread of the response between pixels [%]: a number from 0 to 100; default 0.0
     dsnu_e : float | Expression
-        DSNU: spread of the dark level between pixels [e-]: a number from 0 to 1e+12; default 0.0
+        DSNU: rms spread of the dark level between pixels [e-]: a number from 0 to 1e+12; default
+        0.0
     bad_pixel_percent : float | Expression
         share of dead and hot pixels, some of them clustered [%]: a number from 0 to 100; default
         0.0
@@ -2361,8 +2366,8 @@ def focal_plane(
         spectral radiance at which snr_at_reference is computed; empty: no snr_at_reference
         [W/m²/sr/µm]: a number of at least 0 or empty; default empty
     units : Literal['dn', 'electrons', 'radiance']
-        unit of the output; the picture is always digitized: one of dn, electrons, radiance; default
-        'dn'
+        unit of the output; with bits above 0, the output is digitized in every unit: one of dn,
+        electrons, radiance; default 'dn'
 
     Notes
     -----
@@ -2480,10 +2485,10 @@ def microbolometer(
         longest period of the 1/f noise: time since the last correction [s]: a number from 1e-09 to
         1e+09; default 60.0
     response_percent : float | Expression
-        PRNU: spread of the response between pixels [%]: a number from 0 to 100; default 0.0
+        PRNU: rms spread of the response between pixels [%]: a number from 0 to 100; default 0.0
     offset_mK : float | Expression
-        spread of the offset between pixels, at the data sheet's background [mK]: a number from 0 to
-        1e+09; default 0.0
+        rms spread of the offset between pixels, at the data sheet's background [mK]: a number from
+        0 to 1e+09; default 0.0
 
     Notes
     -----
@@ -2529,8 +2534,8 @@ def nuc(
         number of reference sources: none, one or two: one of none, one_point, two_point; default
         'two_point'
     low_K : float | Expression
-        temperature of the single reference, or of the cooler of two [K]: a number from 1 to 10000;
-        default 290.0
+        temperature of the reference, or of the cooler one if there are two [K]: a number from 1 to
+        10000; default 290.0
     high_K : float | Expression
         temperature of the warmer reference [K]: a number from 1 to 10000; default 310.0
     reference_frames : int | Expression
@@ -2684,11 +2689,11 @@ def frame_transfer_smear(
     line_transfer_time_s : float | Expression
         time to transfer one line [s]: a number from 0 to 1; default 0.0
     integration_time_s : float | Expression
-        exposure time, equal to integration_time_s on Focal Plane [s]: a number from 1e-09 to 1e+06;
+        exposure time; enter integration_time_s of Focal Plane [s]: a number from 1e-09 to 1e+06;
         default 0.01
     passed : Literal['both', 'above', 'below']
-        illuminated rows that a packet passes: on both sides of its pixel, only above or only below:
-        one of both, above, below; default 'both'
+        illuminated rows that a charge packet passes: on both sides of its pixel, only above or only
+        below: one of both, above, below; default 'both'
 
     Notes
     -----
@@ -2842,8 +2847,8 @@ def poisson_noise(
         photons per unit of radiance; needed if mode is photon: a number of at least 0 or empty;
         default empty
     mode : Literal['published', 'photon']
-        published: add a Poisson deviate to each sample; photon: replace the sample with a deviate:
-        one of published, photon; default 'published'
+        published: add a Poisson deviate to each sample; photon: replace each sample with a Poisson
+        deviate: one of published, photon; default 'published'
 
     Notes
     -----
@@ -2885,12 +2890,12 @@ def electronics_noise(
 ) -> Part:
     """Simulate read-out electronics: gain and bias, detector and amplifier noise, quantization.
 
-    The steps, in this order: gain and bias errors of each detector; detector noise with rms NER;
-    the pre-amplifier's single pole along the scan, 1/(1 + 2πi·τ·v·xi); amplifier noise with rms
-    reference/SNR; a post filter; quantization. NEP and NER refer to a detector with mean noise.
-    NETD and SNR use the rms noise over all detectors, which is √(1 + v²) times the mean noise for a
-    relative spread v. Sources: Tantalo 1996, sections 4.6, 4.7, 4.9 and 4.10. Erratum: eq. 4.59 as
-    printed scales the picture by the gain error (`literal`).
+    The first steps are gain and bias errors of each detector, and detector noise with rms NER. Then
+    the pre-amplifier's single pole, 1/(1 + 2πi·τ·v·ξ), filters along the scan. The last steps are
+    amplifier noise with rms reference/SNR, a post filter and quantization. NEP and NER refer to a
+    detector with mean noise. NETD and SNR use the rms noise over all detectors, which is √(1 + v²)
+    times the mean noise for a relative spread v. Sources: Tantalo 1996, sections 4.6, 4.7, 4.9 and
+    4.10. Erratum: eq. 4.59 as printed scales the picture by the gain error (`literal`).
 
     Parameters
     ----------
@@ -2932,15 +2937,16 @@ def electronics_noise(
         signal to which amplifier_snr refers: the picture's mean, or its maximum minus its minimum:
         one of mean, contrast; default 'mean'
     gain_percent : float | Expression
-        spread of the gain between detectors [%]: a number of at least 0; default 0.0
+        rms spread of the gain between detectors [%]: a number of at least 0; default 0.0
     bias_percent : float | Expression
-        spread of the bias between detectors, relative to the mean [%]: a number of at least 0;
-        default 0.0
+        rms spread of the bias between detectors, relative to the picture's mean [%]: a number of at
+        least 0; default 0.0
     gain_model : Literal['per_pixel', 'published', 'literal']
-        per_pixel: scale each pixel; published: add a fraction of the mean; literal: eq. 4.59 as
-        printed: one of per_pixel, published, literal; default 'per_pixel'
+        gain errors: per_pixel scales each pixel; published adds a fraction of the picture's mean;
+        literal uses Tantalo's eq. 4.59 as printed: one of per_pixel, published, literal; default
+        'per_pixel'
     noise_variability_percent : float | Expression
-        spread of the noise level between detectors [%]: a number of at least 0; default 0.0
+        rms spread of the noise level between detectors [%]: a number of at least 0; default 0.0
     use_mtf : bool
         apply the pre-amplifier's MTF and PTF: true or false; default False
     post_filter : Literal['none', 'lowpass', 'highpass', 'boost']
@@ -3192,11 +3198,11 @@ def measured_mtf(
     region_y : int | Expression
         first row of the region [px]: a whole number of at least 0; default 0
     region_width : int | Expression | None
-        number of columns; empty: to the picture's end [px]: a whole number of at least 0 or empty;
-        default empty
+        columns in the region; empty: to the picture's right edge [px]: a whole number of at least 0
+        or empty; default empty
     region_height : int | Expression | None
-        number of rows; empty: to the picture's end [px]: a whole number of at least 0 or empty;
-        default empty
+        rows in the region; empty: to the picture's bottom edge [px]: a whole number of at least 0
+        or empty; default empty
     window : Literal['tukey', 'hamming', 'none']
         window on the line spread; tukey: flat over its middle half: one of tukey, hamming, none;
         default 'tukey'
@@ -3286,10 +3292,10 @@ def figures_of_merit(
     sum of squares of CTF_eye/MTF and the contrast of the MRTD. With `system_contrast_threshold` the
     threshold is the published CTF_eye/MTF·√(1 + α²·σ²/S²); use published V50 values with this
     threshold. Here α = 169.6 √Hz, S is the scene contrast, and σ is the noise in K·√s that passes
-    the eyeball and the eye's visual channel at each frequency. `flir92` includes fixed patterns.
-    The MRTD includes neither the display nor the eye's contrast threshold. The defaults are a
-    target of 2.3 m with ΔT = 2 K, and N50 for the 2-D MRTD. A V50 of 18.8 is quoted for identifying
-    tracked vehicles; this value could not be checked.
+    the eyeball and the eye's visual channel at each frequency. With `flir92`, σ includes fixed
+    patterns. The MRTD includes neither the display nor the eye's contrast threshold. The defaults
+    are a target of 2.3 m with ΔT = 2 K, and N50 for the 2-D MRTD. A V50 of 18.8 is quoted for
+    identifying tracked vehicles; this value could not be checked.
 
     Sources: Ratches et al. 1975, ECOM-7043; Ratches 1976, Opt. Eng. 15, 525; Scott and D'Agostino
     1992, Proc. SPIE 1689, 194 (FLIR92); Johnson 1958; Ratches, Vollmerhausen and Driggers 2001,
@@ -3511,7 +3517,8 @@ def spatial_blur(
         where kernels are truncated: at half_width_px, where the error reaches `error`, or at the
         frame's size: one of half_width, error, none; default 'half_width'
     half_width_px : int | Expression
-        kernel samples kept on each side [px]: a whole number from 0 to 65536; default 16
+        kernel samples kept on each side of the centre [px]: a whole number from 0 to 65536; default
+        16
     error : float | Expression
         largest error allowed, as a fraction of the scene's largest deviation from its mean: a
         number from 0 to 1; default 0.001
@@ -3552,13 +3559,14 @@ def line_by_line(
     flat, and motion blur is assumed to cover the same angle as at nadir.
 
     When is one interval for the whole image good enough? The error of a single interval grows as 1
-    − cos(view angle). For the Inframetrics' blur of three samples on the built-in scene (network
-    `line_by_line`), the largest error is 0.03 % of the picture's range for a field of 10°, 0.5 %
-    for 30°, 1.1 % for 45°, 2 % for 60°, 5 % for 90° and 10 % for 120°. The rms errors for fields of
-    10°, 30°, 45°, 60°, 90° and 120° are 0.002, 0.02, 0.05, 0.1, 0.25 and 0.5 %. In the thesis's
-    field of 30°, six-bit quantization hides the error. Filtering line by line takes 1.3 to 4 times
-    as long (`imagechain bench`, table scanning); `direct` takes 60 times as long or more. Source:
-    Tantalo 1996, section 2 and fig. 2.3; the thesis leaves the comparison to later work.
+    − cos(view angle). The network `line_by_line` blurs the built-in scene by three samples, as the
+    Inframetrics scanner does. Its largest error is 0.03 % of the picture's range for a field of
+    10°, 0.5 % for 30°, 1.1 % for 45°, 2 % for 60°, 5 % for 90° and 10 % for 120°. The rms errors
+    for fields of 10°, 30°, 45°, 60°, 90° and 120° are 0.002, 0.02, 0.05, 0.1, 0.25 and 0.5 %. In
+    the 30° field of Tantalo 1996, six-bit quantization hides the error. Filtering line by line
+    takes 1.3 to 4 times as long as filtering the whole image (`imagechain bench`, table scanning);
+    `direct` takes 60 times as long or more. Source: Tantalo 1996, section 2 and fig. 2.3; the
+    thesis leaves the comparison to later work.
 
     Parameters
     ----------
@@ -3568,7 +3576,7 @@ def line_by_line(
         view angle from nadir at the middle of the frame [deg]: a number above -90 below 90; default
         0.0
     nadir_column : float | Expression | None
-        index of the scan line's sample at nadir, counted from 0; empty: from the look angle [px]: a
+        index of the scan line's sample at nadir, counted from 0; empty: from look_angle_deg [px]: a
         number from -65536 to 131072 or empty; default empty
     spacing : Literal['frame', 'flight', 'typed']
         line spacing at nadir; frame: the frame's interval; flight: from velocity and scan rate on
@@ -3578,7 +3586,8 @@ def line_by_line(
         distance between scan lines on the ground [m]: a number of at least 0 or empty; default
         empty
     altitude_m : float | Expression | None
-        altitude; empty: from Init & Trans [m]: a number of at least 0 or empty; default empty
+        altitude above the ground; empty: range_m from Init & Trans [m]: a number of at least 0 or
+        empty; default empty
     method : Literal['nodes', 'direct']
         how non-separable factors are computed: interpolated between a few sampling intervals
         (nodes), or summed exactly for each interval (direct): one of nodes, direct; default 'nodes'
@@ -3630,12 +3639,12 @@ def camera_geometry(
     sample at equal steps in the focal plane. The flight direction is down the picture, and scan
     lines are equally spaced on the ground. Each sample is the mean of the scene over its whole
     footprint, which limits aliasing and keeps a uniform scene uniform. Blur is applied afterwards:
-    choose samples finer than the detector, and combine pixels after the detector's MTF.
+    choose samples smaller than the pixels, and combine pixels after the detector's MTF.
 
     Footprints aligned with the scene's rows and columns (no yaw) are exact. With roll or pitch
     alone, a framing camera's footprints are exact to 10⁻⁴ of the scene's peak-to-peak signal. Other
-    footprints are oblique: they are cut into `strips`, and the error is estimated. Source: Tantalo
-    1996, sections 2 and 5.3, for the Salacain camera.
+    footprints are oblique: each is cut into `strips` strips, and the error is estimated. Source:
+    Tantalo 1996, sections 2 and 5.3, for the Salacain camera.
 
     Parameters
     ----------
@@ -3685,8 +3694,8 @@ def camera_geometry(
     offset_y_m : float | Expression
         distance of the camera from the scene's centre, down the picture [m]: a number; default 0.0
     interpolation : Literal['area', 'bilinear', 'cubic']
-        interpolation between scene samples: constant, linear, or parabolic: one of area, bilinear,
-        cubic; default 'area'
+        interpolation between scene samples: constant (area), linear (bilinear), or parabolic
+        (cubic): one of area, bilinear, cubic; default 'area'
     strips : int | Expression
         number of strips per oblique footprint: a whole number from 1 to 64; default 4
     outside : Literal['refuse', 'fill']
@@ -3728,10 +3737,10 @@ def image_quality(
     a sample after it. The overshoot H is the height of the edge response 1 to 3 samples beyond the
     edge. RER and H follow from the chain's transfer functions; the SNR follows from the chain's
     signal and temporal noise. No noise is drawn or measured. GSD, RER and H are geometric means
-    over both directions; in GIQE 5 the worse RER counts twice. Connect the picture as the sensor
-    samples it, before a frame grabber interpolates it.
+    of the horizontal and vertical values; in GIQE 5 the worse RER counts twice. Connect the picture
+    as the sensor samples it, before a frame grabber interpolates it.
 
-    With `snr_of` = `contrast` the SNR is the difference in signal between surfaces of 15 % and 7 %
+    With `snr_of` = `contrast`, the SNR is the difference in signal between surfaces of 15 % and 7 %
     reflectance, divided by the noise. If the scene is in reflectance and Reflected Light converts
     it to radiance, the difference follows from the illumination and the atmosphere set in that
     module. If the scene is not in reflectance, the mean radiance is assumed to come from a surface
@@ -3744,7 +3753,7 @@ def image_quality(
     and 4 apply to sharpened pictures, with the noise gain G of the sharpening. GIQE 4 was fitted to
     visible pictures with GSD 3 to 80 inches, RER 0.2 to 1.3, H 0.9 to 1.9 and SNR 2 to 130. A
     warning lists values outside the limits of GIQE 4. The limits of GIQE 3 and 5 could not be
-    checked.
+    verified.
 
     Sources: Leachtenauer et al. 1997, Appl. Opt. 36, 8322 (GIQE 3 and 4, SNR); Harrington et al.
     2015, GIQE version 5.0, NGA, 16 September 2015 (eqs. 2, 5 and 7).
@@ -3755,11 +3764,11 @@ def image_quality(
         range to the ground along the line of sight; empty: from Init & Trans [m]: a number of at
         least 0 or empty; default empty
     gsd_m : float | Expression | None
-        ground sample distance normal to the line of sight, if you know it; empty: interval × range
-        [m]: a number of at least 0 or empty; default empty
+        ground sample distance normal to the line of sight, if you know it; empty: sampling interval
+        × range [m]: a number of at least 0 or empty; default empty
     elevation_deg : float | Expression | None
-        elevation of the line of sight at the target; empty: 90° − off nadir, or from Camera's orbit
-        if off_nadir_deg is 0 [deg]: a number from 0 to 90 or empty; default empty
+        elevation of the line of sight at the target; empty: 90° − off_nadir_deg, or from Camera's
+        orbit if off_nadir_deg is 0 [deg]: a number from 0 to 90 or empty; default empty
     off_nadir_deg : float | Expression
         off-nadir look angle along the track, over flat ground; used if elevation_deg is empty
         [deg]: a number from 0 to 89; default 0.0
@@ -3770,16 +3779,16 @@ def image_quality(
         signal for the SNR: the contrast between 15 % and 7 % reflectance, or the mean: one of
         contrast, mean; default 'contrast'
     rer_x : float | Expression | None
-        horizontal RER, if you know it; empty: from the chain: a number of at least 0 or empty;
-        default empty
+        horizontal RER, if you know it; empty: computed from the chain: a number of at least 0 or
+        empty; default empty
     rer_y : float | Expression | None
-        vertical RER, if you know it; empty: from the chain: a number of at least 0 or empty;
-        default empty
+        vertical RER, if you know it; empty: computed from the chain: a number of at least 0 or
+        empty; default empty
     overshoot : float | Expression | None
-        overshoot H, if you know it; empty: from the chain: a number of at least 0 or empty; default
-        empty
+        overshoot H, if you know it; empty: computed from the chain: a number of at least 0 or
+        empty; default empty
     noise_gain : float | Expression
-        noise gain G of the sharpening: a number from 0 to 1e+06; default 1.0
+        noise gain G of the sharpening; 1: no sharpening: a number from 0 to 1e+06; default 1.0
 
     Notes
     -----

@@ -129,10 +129,7 @@ def standard_library() -> PackagedLibrary:
 
 
 def installed_plug_ins() -> tuple[dict[str, type[Module]], dict[str, str]]:
-    """Modules by key of every installed package that has some, and what is wrong by package.
-
-    Whatever is wrong with a package keeps its modules out, and nobody else's.
-    """
+    """Modules by key of installed packages, and faults by package, which keep out its own alone."""
     modules: dict[str, type[Module]] = {}
     faults: dict[str, str] = {}
     for point in sorted(plug_ins(), key=lambda one: (_package(one), one.name)):

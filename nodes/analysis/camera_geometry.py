@@ -372,7 +372,6 @@ class CameraGeometry(Module, key="camera_geometry", title="Camera Geometry", gro
         return velocity / rate
 
     def intervals_m(self, image: Image) -> Pair:
-        """Sampling intervals of the scene on the ground, across and along."""
         x, y = self.ground_interval_m, self.ground_interval_y_m or self.ground_interval_m
         if x is None and image.interval_x_mrad is not None:
             x = image.interval_x_mrad / 1000.0 * self.altitude_m

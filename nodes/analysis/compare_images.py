@@ -159,10 +159,7 @@ def axes_ratio(
 def radial_ratio(
     work: Work, image: MeanFree, reference: MeanFree, *, grid: Grid, edges: Edges, unit: str
 ) -> CurveData:
-    """Root of the ratio of the powers in rings of equal radial frequency, up to Nyquist.
-
-    A ring's frequency is the mean over it, weighted with the reference's power.
-    """
+    """Root of the ratio of powers in rings, at their mean frequency by the reference's power."""
     mirrored = edges == "reflect"
     spacing = max(grid.frequency_interval_x, grid.frequency_interval_y) / (2 if mirrored else 1)
     rings = int(min(grid.nyquist_x, grid.nyquist_y) / spacing) + 1

@@ -225,10 +225,7 @@ def transfer_of(image: Image, *, of_camera: bool = False) -> ImageTransfer:
 
 @dataclass(frozen=True)
 class NoiseTerm:
-    """One noise as it arrives in the picture; one that is not `temporal` is a fixed pattern.
-
-    `variances` are its components in the picture's unit squared.
-    """
+    """One noise as it arrives, temporal or a fixed pattern; `variances` in the picture's unit²."""
 
     node: str
     name: str
@@ -487,11 +484,7 @@ def _is_noisy(recipe: Recipe) -> bool:
 
 
 def noise_free(recipe: Recipe, *, but: Recipe | None = None) -> Recipe:
-    """The same picture with every noise at its expected value, and nothing rounded.
-
-    The step `but` keeps what it adds. Where a gain error as printed scales the whole picture, that
-    is refused (`DataError`).
-    """
+    """The picture with noises as expected, nothing rounded; the step `but` keeps what it adds."""
 
     def change(part: Recipe) -> Recipe | None:
         lineage = lineage_of(part)

@@ -197,10 +197,7 @@ _AREA, _UNKNOWN = "area of the scene's samples", "not known"
 
 @dataclass(frozen=True)
 class Expected:
-    """An expected MTF; frequencies in cycles per pixel, up to Nyquist or where less is known.
-
-    Figures are None where they lie beyond.
-    """
+    """An expected MTF; frequencies in cycles per pixel, figures None where they lie beyond."""
 
     frequency: Vector
     mtf: Vector

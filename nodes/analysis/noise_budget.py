@@ -23,11 +23,7 @@ _LINES = (lineage.Line.at(0.0), lineage.Line.at(90.0))
 
 @dataclass(frozen=True)
 class NoiseShare:
-    """One source's noise in the picture, and its shares (0 to 1) of the variance of all that count.
-
-    `temporal` is its deviation from frame to frame and `fixed` that of its pattern, in the
-    picture's unit; None of a kind that it has not.
-    """
+    """A source's deviations, None of a kind that it has not, and its shares of the variance."""
 
     node: str
     name: str
@@ -71,10 +67,7 @@ class BlurShare:
 
 @dataclass(frozen=True)
 class BlurShares:
-    """Every stage that blurs, at one frequency across and one along, cycles/mrad.
-
-    `before` is the node before which no transfer function is known, None if all are.
-    """
+    """Every stage that blurs, at two frequencies, cycles/mrad; nothing is known `before`."""
 
     frequency: tuple[float, float]
     shares: tuple[BlurShare, ...]
@@ -175,7 +168,6 @@ def source_words(name: str) -> str:
 
 
 def source_title(name: str) -> str:
-    """The same with a capital first; those of an abbreviation stay."""
     words = source_words(name)
     return words[:1].upper() + words[1:]
 
@@ -207,7 +199,6 @@ def noise_bars(work: Work, noise: NoiseShares, *, kind: Kind, show: Show, unit: 
 
 @ends_lineage
 def blur_bars(work: Work, blur: BlurShares, *, show: Show) -> CurveData:
-    """Two bars for each stage, across and along: its share of −ln |MTF|, or that itself."""
     title = "Blur" if blur.before is None else f"Blur after {blur.before}"
     if not blur.shares:
         return CurveData(f"{title}: none known", "stage", "share (%)", ())

@@ -230,11 +230,7 @@ Truncation = Literal["half_width", "error", "none"]
 
 @dataclass(frozen=True)
 class Kernel:
-    """One pass of the convolution: weights, of one row or column for a pass along one axis.
-
-    The tap at lag 0 is at (`before_y`, `before_x`); `dropped` and `whole` are sums of the moduli of
-    the taps cut off, and of all.
-    """
+    """One pass: its taps, where lag 0 is, and sums of the moduli of those cut off, and of all."""
 
     taps: Vector
     before_y: int
@@ -254,11 +250,7 @@ class Kernels:
 
     @property
     def error_bound(self) -> float:
-        """Largest error of a sample over the scene's largest deviation from its mean.
-
-        A tap h that is left out changes a sample by |h| times that departure at most. Of passes
-        in turn, each one's loss goes through the others.
-        """
+        """Largest error over the scene's largest deviation; a loss goes through other passes."""
         total = 0.0
         for place, kernel in enumerate(self.passes):
             before = math.prod(other.whole - other.dropped for other in self.passes[:place])

@@ -153,10 +153,7 @@ def thresholds(
     sampled: tuple[bool, bool],
     **seen: float,
 ) -> Thresholds | Unseen:
-    """MRTD up to the samples' own rate, or the first zero of the MTF, or Nyquist.
-
-    The sensor is not `sampled` along a scan; `frames` of those `seen` are averaged by the eye.
-    """
+    """MRTD up to the samples' own rate, the first zero of the MTF, or Nyquist where `sampled`."""
     if isinstance(sensed, Unseen):
         return sensed
     nyquist_x, nyquist_y = grid.nyquist_x, grid.nyquist_y
@@ -266,10 +263,7 @@ def mdtd_curve(
 
 
 def unseen(gain: float, levels: Sequence[LevelChange], consequence: str) -> Unseen:
-    """Why a picture does not follow the scene, and what cannot be had of it; empty where it does.
-
-    `gain` is that from the scene to the picture, of whose `levels` one may have the reason.
-    """
+    """Why a picture of this gain does not follow the scene, with the consequence; else empty."""
     if gain > 0.0:
         return ""
     reason = next((level.reason for level in levels if level.reason), "")
@@ -408,11 +402,7 @@ def acquisition(
 def _contrast_threshold(
     task: Task, noise: Sensitivity, frequency: Vector, mrtd: Vector, mtf: Vector, *of_noise: Any
 ) -> Vector:
-    """The published one, of the eye through MTF and noise; or by the MRTD; as far as is sampled.
-
-    By the MRTD it is the root of the squares of the eye's threshold through the sensor, and of its
-    noise.
-    """
+    """The published one; or of the eye through the sensor and the MRTD, as the root of squares."""
     resolved = np.isfinite(mrtd)
     seen = np.where(resolved, mtf, 1.0)
     display = {"luminance_cd_m2": task.luminance_cd_m2, "display_deg": task.display_deg}

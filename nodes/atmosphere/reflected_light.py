@@ -258,11 +258,7 @@ def reflected(work: Work, image: Array, *, white: float, reflectance: float) -> 
 
 @dataclass(frozen=True)
 class GreyBands(BandStack):
-    """Bands of surfaces that reflect all wavelengths alike.
-
-    `image` makes the reflectances, of which `reflectance` is a sample of 1; `white` is the radiance
-    of such a sample in every band, W/m²/sr/µm.
-    """
+    """Bands of grey surfaces: `reflectance` of a sample of 1, `white` its W/m²/sr/µm in each."""
 
     image: Recipe
     white: Row

@@ -233,10 +233,7 @@ def _bent_slope(electrons: float, reading: ReadOut) -> float:
 
 
 def overflow_caution(work: Work, levels: ElectronLevels, *, reading: ReadOut) -> Caution | None:
-    """A picture whose mean is clipped, so that it has no NETD and no SNR, or its brightest.
-
-    Noise and unlike pixels are left out: what they alone clip is in `saturated_pixels`.
-    """
+    """A picture whose mean, or brightest, is clipped; noise and unlike pixels are left out."""
     clipped = mean_clipped(levels, reading)
     if clipped is not None:
         return replace(clipped, message=f"{clipped.message}: NETD, SNR and NEI are left out")

@@ -53,10 +53,7 @@ class Ended(AboutMean):
 
 
 def _by_rows(fill: Callable[..., None]) -> Callable[..., Array]:
-    """A step of a function that fills blocks of rows, given those rows of all pictures.
-
-    Blocks are filled in threads.
-    """
+    """A step of a function that fills blocks of rows, given those of all pictures, in threads."""
 
     @pointwise
     @wraps(fill)
@@ -175,10 +172,7 @@ def _read_noise(at: AtStep, *_: Recipe, sigma_e: float, **__: Well) -> list[Nois
 def read_out(
     made: Array, picture: Array, clipping: Any, *deviates: Array, sigma_e: float, full_well_e: Well
 ) -> None:
-    """With read noise, and no more electrons than the well holds.
-
-    `clipping` is for what follows the scene through it: the samples do without.
-    """
+    """With read noise, up to the well; `clipping` is for what follows the scene through it."""
     number = picture.dtype.type
     if deviates:
         np.multiply(deviates[0], number(sigma_e), out=made)
@@ -197,7 +191,6 @@ Places = tuple[Array, Array]
 def bad_pixels(
     work: Work, *, stream: Stream, shape: tuple[int, int], percent: float
 ) -> list[Places]:
-    """Dead pixels, and hot ones."""
     rows, columns = shape
     places, kinds = focal_plane_array.bad_pixel_places(
         rows=rows, columns=columns, percent=percent, generator=stream.generator(0)

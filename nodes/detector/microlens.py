@@ -70,7 +70,6 @@ class MicrolensAngle(LightOverField, key="microlens", title="Microlens Angle", g
     )
 
     def check(self) -> None:
-        """Refuse a measured response without its file."""
         if self.response == "file" and self.path is None:
             raise ParameterError("path", None, "give a CSV file of angle difference and response")
 

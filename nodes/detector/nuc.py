@@ -254,10 +254,7 @@ def corrected(
 
 
 def seen_by_camera(picture: Recipe) -> Recipe | None:
-    """The picture that enters the first node that adds noise to samples; None without one.
-
-    Samples begin behind the transform that the optics' picture comes from, if there is one.
-    """
+    """The picture that enters the first node that adds noise to samples; None without one."""
     way = list(_samples(picture))
     noisy = {step.node for step, lineage in way if lineage.noise is not None}
     entered = [lineage.picture for step, lineage in way if step.node in noisy]

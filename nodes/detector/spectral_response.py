@@ -317,7 +317,6 @@ def counted_photons(image: Image, efficiency: QuantumEfficiency) -> Recipe:
 
 
 def radiance_per_photon(image: Image, efficiency: QuantumEfficiency, node: str) -> Recipe:
-    """Recipe of the mean radiance over the mean of the photons counted, W s."""
     bands = image.bands
     assert bands is not None
     weights = counted_weights(bands, efficiency)

@@ -295,10 +295,7 @@ class ElectronicsNoise(
         )
 
     def preview(self, planned: PlannedNode, work: Work, _here: NodeContext) -> Preview:
-        """D* against wavelength with the band and the D* taken from it, and NETDs as bars.
-
-        Without a picture, the curve is that of the makers' conditions.
-        """
+        """D* against wavelength, of the makers' conditions without a picture, and NETDs as bars."""
         figures: dict[str, Any] = {}
         problem = ""
         try:
@@ -542,10 +539,7 @@ class ElectronicsNoise(
 
 
 def summed_within(image: Image, low_um: float | None, high_um: float | None) -> Image:
-    """A picture in bands as the radiance within a filter; one without bands as it is.
-
-    A band at an end of the filter counts by its part within.
-    """
+    """The radiance of bands within a filter; one at its end counts by its part."""
     bands = image.bands
     if bands is None:
         return image
@@ -565,10 +559,7 @@ def summed_within(image: Image, low_um: float | None, high_um: float | None) -> 
 def _material_curve(
     material: Material, band_um: tuple[float, float] | None, seen: dict[str, float]
 ) -> tuple[tuple[NDArray[np.float64], NDArray[np.float64]], tuple[float, float]]:
-    """Wavelengths up to the cut-off, which is the last but one, with D*, and where it peaks.
-
-    The peak is that in the band, or of the curve where it has none there.
-    """
+    """D* to beyond the cut-off, which is the last but one, and its peak, in the band if any."""
     cut_off = material.cut_off_um
     inside = np.linspace(_SHORTEST * cut_off, cut_off, _PREVIEW_POINTS)
     wavelength = np.append(inside, np.nextafter(cut_off, np.inf))

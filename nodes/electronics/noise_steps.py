@@ -53,10 +53,7 @@ def detector_figures(
     background_K: float | None,
     vignetting: float,
 ) -> DetectorFigures:
-    """The background and NETD are those of the scene before the vignetting.
-
-    The cone of a cold shield is matched to the optics; `material`: its region, and its name.
-    """
+    """Background and NETD are those of the scene before the vignetting; the cold shield fits."""
     band = {"cut_on_um": band_um[0], "cut_off_um": band_um[1]}
     background = background_K
     if background is None:
@@ -315,7 +312,6 @@ def detector_noise(
     *,
     variability_percent: float,
 ) -> Array:
-    """Noise of rms NER, its rms varied from detector to detector."""
     sigma: Any = figures.ner
     if pattern is not None:
         # A spread wide enough to turn a deviation negative is still a spread: take its size.

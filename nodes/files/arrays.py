@@ -57,7 +57,6 @@ def read_npy_info(path: Path) -> picture_info.PictureInfo:
 
 
 def read_npy(path: Path, band: int = 0, *, empty: Empty = np.empty) -> picture_info.Samples:
-    """Read one band of a real array (rows, columns) or (rows, columns, bands), block by block."""
     header = npy_header(path)
     info = _info(path, header.shape, header.dtype, "npy")
     if empty is np.empty:
@@ -88,10 +87,7 @@ def write_npy_header(file: BinaryIO, shape: tuple[int, ...], dtype: np.dtype[Any
 def write_npy_picture(
     path: Path, stored: NDArray[Any], metadata: Mapping[str, picture_info.MetadataValue]
 ) -> None:
-    """Write samples (rows, columns, channels) as ``.npy``, which has no room for metadata.
-
-    One channel becomes (rows, columns).
-    """
+    """Write samples (rows, columns, channels), one channel as (rows, columns), without metadata."""
     write_npy(path, stored[:, :, 0] if stored.shape[2] == 1 else stored)
 
 
@@ -102,10 +98,7 @@ def read_matrix_info(path: Path) -> picture_info.PictureInfo:
 
 
 def read_matrix(path: str | os.PathLike[str]) -> NDArray[np.float64]:
-    """Read a matrix of numbers separated by blanks or by commas, a row on each line.
-
-    Lines that begin with ``#`` are comments.
-    """
+    """Read numbers parted by blanks or commas; lines that begin with ``#`` are comments."""
     file = readable_file(path)
     try:
         picture_info.refuse_oversized_text(file)
@@ -197,7 +190,6 @@ class NpyHeader:
 
 
 def npy_header(path: Path) -> NpyHeader:
-    """Read the header of a ``.npy`` file and check it against the file's length."""
     with stored_bytes(path) as content:
         if content[: len(_NPY_MAGIC)] != _NPY_MAGIC:
             raise FileError(f"{path}: not a .npy file; it must begin with \\x93NUMPY")
@@ -223,10 +215,7 @@ def npy_header(path: Path) -> NpyHeader:
 def fill_plane(
     plane: NDArray[Any], path: Path, header: NpyHeader, *, axis: Literal[0, 2], index: int
 ) -> None:
-    """Fill (rows, columns) with those of an array at one index of its first or last axis.
-
-    An array of two axes is the plane itself.
-    """
+    """Fill (rows, columns) from an index of an array's first or last axis; of two, with all."""
     shape = header.shape
     if header.fortran_order:  # in C order the axes are the other way round
         shape, plane, axis = shape[::-1], plane.T, 0 if axis else 2

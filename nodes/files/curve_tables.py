@@ -89,10 +89,7 @@ def _rising(
 def _rows_of(
     file: Path, lines: Iterable[str], widths: Sequence[int], allowed: str
 ) -> Iterator[tuple[int, Row]]:
-    """Numbers of each line, all as many as the first, of `widths`, and the line's own number.
-
-    Empty lines, those that begin with ``#`` and a line of names on top are passed over.
-    """
+    """Numbers of each line, all as many as the first, below names and comments, and its own."""
     rows, is_named = 0, False
     for number, line in enumerate(lines, 1):
         if not line.strip() or line.lstrip().startswith("#"):
@@ -110,10 +107,7 @@ def _rows_of(
 
 @read_once
 def read_wavelengths(path: Path, *, what: str, low: float, high: float) -> Points:
-    """Points (wavelength in µm, value), rising in wavelength; values from `low` to `high`.
-
-    `what` the values are is for people.
-    """
+    """Points (wavelength in µm, value), rising; `what` the values are is for people."""
     least = _ABOVE_0, f"a wavelength above 0 and up to {_LARGEST_UM:g} µm"
     return _points(path, "wavelength", "µm", least, what, low, high)
 
@@ -143,10 +137,7 @@ def _points(
 
 @read_once
 def read_motion(path: Path) -> tuple[Points, Points]:
-    """Points (Hz, mrad²/Hz) of a motion across and along, rising in frequency.
-
-    Two columns hold for both axes.
-    """
+    """Points (Hz, mrad²/Hz) across and along, rising; two columns hold for both axes."""
     lines = table_lines(path, what="power density", wanted=f" with the columns {_COLUMNS}")
     numbers = _rows_of(path, lines, (2, 3), f"two or three numbers: {_COLUMNS}")
     checks = ((_ABOVE_0, _FINITE, "finite numbers above 0"),) * 3
@@ -476,7 +467,6 @@ def _columns(
 
 
 def _zemax(file: Path, lines: Sequence[tuple[int, str]], field: int) -> MtfTable:
-    """One field of Zemax's listing: below each heading rows of frequency and two MTFs."""
     unit: str | None = None
     fields: list[list[tuple[int, str]]] = []
     is_inside = is_limit = False

@@ -77,7 +77,6 @@ def info_of(layout: EnviLayout) -> picture_info.PictureInfo:
 def read_band(
     path: str | os.PathLike[str], band: int = 0, *, empty: Empty = np.empty
 ) -> picture_info.Samples:
-    """Read one band of a data file or of its header; missing samples are NaN."""
     layout = read_layout(path)
     info = info_of(layout)  # a faulty header is refused even where its fault does not matter here
     if empty is np.empty:

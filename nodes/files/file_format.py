@@ -7,10 +7,7 @@ from core.records import dataclass
 
 @dataclass(frozen=True)
 class Format:
-    """A format of files: a word for it, what names of its files end in, what people call it.
-
-    Suffixes are in lower case, the usual one first.
-    """
+    """A format of files: a word, suffixes in lower case, the usual one first, a description."""
 
     name: str
     suffixes: tuple[str, ...]

@@ -49,7 +49,6 @@ class FitsHeader:
     blank: int | None
 
     def values(self, stored: NDArray[Any]) -> NDArray[Any]:
-        """Physical values: BZERO + BSCALE × stored, NaN where a sample is BLANK."""
         plain = self.zero == 0.0 and self.scale == 1.0
         if plain and self.blank is None:
             return stored
@@ -109,10 +108,7 @@ def refuse_unsupported(path: Path) -> None:
 
 
 def _check_axes(header: FitsHeader) -> None:
-    """Refuse axes that do not span the planes of one picture.
-
-    The library reads a size up to the first character that is no digit, and clamps a large one.
-    """
+    """Refuse axes that span no planes; the library reads sizes up to a letter, and clamps them."""
     axes = _whole(header, "NAXIS", 1, _MOST_AXES)
     sizes = {key: _whole(header, key, 1) for key in _AXES[:axes]}
     if all(sizes.get(key, 1) > 1 for key in _AXES[2:]):
@@ -180,10 +176,7 @@ def _add(cards: dict[str, str], card: str, path: Path) -> None:
 
 
 def check_sums(header: FitsHeader) -> None:
-    """Refuse samples that are not those that DATASUM, or all that CHECKSUM, was made of.
-
-    The header is one that is not refused itself.
-    """
+    """Refuse samples that DATASUM, or a file that CHECKSUM, was not made of."""
     stated = header.cards.get("DATASUM", "")
     whole = bool(header.cards.get("CHECKSUM"))
     if not stated and not whole:

@@ -81,11 +81,7 @@ def as_stored(
 
 
 def integer_type(samples: NDArray[Any], unit: str, allowed: tuple[str, ...]) -> str | None:
-    """The integer type that holds the numbers of a picture as they are, of those allowed.
-
-    None for a picture in another unit, or one whose samples are not whole, negative, or too large:
-    of a camera without a converter, say.
-    """
+    """The integer type that holds numbers of a converter as they are; None where none does."""
     if unit != DIGITAL_NUMBER or "uint16" not in allowed:
         return None
     top = np.iinfo(np.uint16).max
@@ -161,7 +157,6 @@ class PictureFormat(Format):
 
     @property
     def stores_floats(self) -> bool:
-        """Whether samples are stored as they are, and not scaled to integers."""
         return "float" in self.dtypes
 
     def claims(self, path: Path) -> bool:

@@ -206,10 +206,7 @@ class FrameFormat(Format):
         return len(self.head(series)) + series.frames * page
 
     def stored_type(self, precision: np.dtype[Any], bits: int | None) -> np.dtype[Any]:
-        """The type of a picture's samples: integers of a converter of that many bits, else floats.
-
-        Of 16 bits up to 16, of 32 beyond: `precision` holds them all, 24 bits at most.
-        """
+        """Integers of 16 or 32 bits for a converter's numbers, else floats of this precision."""
         if bits is None or not self.whole_numbers:
             return precision.newbyteorder("<")
         return np.dtype("<u2" if bits <= 16 else "<u4")
@@ -256,10 +253,7 @@ def write_frames(
 
 
 def write_tiled_tiff(path: Path, series: FrameSeries, samples: Array) -> None:
-    """Write a picture (rows, columns), perhaps on disk, as one page of tiles.
-
-    Tiles at the picture's ends are filled up with zeros.
-    """
+    """Write a picture, perhaps on disk, as a page of tiles, filled up with zeros at its ends."""
     rows, columns = samples.shape
     side = min(_LONGEST_PX, -(-max(samples.shape) // _STEP_PX) * _STEP_PX)
     with _written(path) as file:
@@ -435,10 +429,7 @@ def _words(layout: TiffLayout) -> str:
 
 
 def check_one_camera(files: Sequence[FrameFile], *, of_one: str) -> None:
-    """Refuse files of which no noise in time can be had, or of several cameras (`DataError`).
-
-    `of_one` is said of a file with a single frame.
-    """
+    """Refuse single frames, of which `of_one` is said, and several cameras (`DataError`)."""
     first = files[0]
     for file in files:
         if file.frames < 2:

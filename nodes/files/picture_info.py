@@ -19,10 +19,7 @@ Samples = NDArray[np.floating[Any]]  # float32 or float64, (rows, columns), C or
 
 @dataclass(frozen=True)
 class PictureInfo:
-    """Size, kind and header of a picture file.
-
-    What the file does not give is None.
-    """
+    """Size, kind and header of a picture file; what it does not give is None."""
 
     path: Path  # of the samples: for ENVI of the data file, not the header
     rows: int
@@ -116,7 +113,6 @@ def oversized(
 
 
 def oversized_file(length: int) -> str:
-    """Why a file that is read whole does not fit; empty where it does."""
     memory = usable_bytes()
     if not memory or length <= _SHARE * memory:
         return ""
@@ -127,10 +123,7 @@ def oversized_file(length: int) -> str:
 
 
 def refuse_oversized_text(path: Path) -> None:
-    """Refuse a text of more than 512 MB, or of more than a quarter of the memory to be used.
-
-    It is held twice, whole and in lines, before a number of it is read, which takes minutes.
-    """
+    """Refuse a text over 512 MB, or a quarter of the memory: it is held twice, for minutes."""
     length, memory = path.stat().st_size, usable_bytes()
     most = min(_LONGEST_TEXT, _SHARE * memory / 2) if memory else _LONGEST_TEXT
     if length > most:
@@ -141,10 +134,7 @@ def refuse_oversized_text(path: Path) -> None:
 
 
 def refuse_impossible(info: PictureInfo, *, compression: str, bits: int) -> None:
-    """Refuse a header that claims more samples of so many bits than the file can unpack to.
-
-    A compression without a bound passes.
-    """
+    """Refuse more samples than the file can unpack to; a compression without a bound passes."""
     most = _DEFLATE if info.kind == "png" else _MOST_BYTES.get(compression)
     if most is None:
         return

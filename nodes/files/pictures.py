@@ -114,11 +114,7 @@ def read_band(path: Path, band: int = 0, *, empty: Empty = np.empty) -> picture_
 def write_by_oiio(
     path: Path, stored: NDArray[Any], metadata: Mapping[str, picture_info.MetadataValue]
 ) -> None:
-    """Write samples (rows, columns, channels) as they are; same samples, same bytes.
-
-    The format is that of the path's suffix; `metadata` become ``key = value`` lines of the
-    picture's description.
-    """
+    """Write samples (rows, columns, channels) as they are, metadata as ``key = value`` lines."""
     # Imported when needed: 30 ms that a run without picture files need not pay.
     import OpenImageIO
 
@@ -291,10 +287,7 @@ def _channel_names(spec: Any) -> tuple[str, ...]:
 
 
 def _is_misread(picture: Any, path: Path) -> bool:
-    """Whether the library would deliver uninitialised memory for these samples of a TIFF.
-
-    Other kinds of tile that it is known to misread are refused.
-    """
+    """Whether the library delivers uninitialised memory; other tiles it misreads are refused."""
     spec = picture.spec()
     bits = spec.get_int_attribute("oiio:BitsPerSample", 0)
     if spec.tile_width == 0:
@@ -378,11 +371,7 @@ def _complaint(messages: str) -> str:
 
 
 def _reads_as(file: Path, stored: NDArray[Any]) -> bool:
-    """Whether the file gives back every bit.
-
-    The libraries' last flush fails unseen on a full disk: EXR and PNG files lost their end
-    without a word until they were read back.
-    """
+    """Whether the file gives back every bit: on a full disk the last flush fails unseen."""
     rows, _, channels = stored.shape
     try:
         refuse_damaged(file)

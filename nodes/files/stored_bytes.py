@@ -104,10 +104,7 @@ def readable_file(path: str | os.PathLike[str]) -> Path:
 
 
 def is_file(path: Path) -> bool:
-    """Whether a regular file is there; nothing is under a name that the system does not take.
-
-    Of such a name, one letter too long say, `Path.is_file` raises.
-    """
+    """Whether a regular file is there; `Path.is_file` raises for a name that is too long."""
     try:
         return path.is_file()
     except OSError:

@@ -47,10 +47,7 @@ def plain_cell(cell: str) -> str:
 
 
 def cells_of(line: str) -> list[str]:
-    """Cells of a line, parted by comma, semicolon, tab or blanks: the first of these in it.
-
-    A line that is no row of such a table is one cell.
-    """
+    """Cells parted by the first of comma, semicolon, tab, blanks; one if it is no row."""
     separator = next((mark for mark in _MARKS if mark in line), None)
     if separator is None:
         return line.split()
@@ -61,10 +58,7 @@ def cells_of(line: str) -> list[str]:
 
 
 def number_of(cell: str) -> float:
-    """The number that a cell is; `ValueError` where none, or in Python's own writing alone.
-
-    0_6 is 6 there, and a slip for 0.6 in a table.
-    """
+    """The number that a cell is, else `ValueError`: 0_6, 6 in Python, is a slip for 0.6."""
     if "_" in cell or not cell.isascii():
         raise ValueError("is not a number")
     return float(cell)
@@ -130,10 +124,7 @@ def numbers_of(cells: Iterable[str]) -> tuple[float, ...] | None:
 
 
 def lens_lines(path: Path, *, what: str) -> list[str]:
-    """Lines of a text as optical design and measuring programs write it.
-
-    UTF-8, UTF-16 with its mark or, of Latin letters, without, or Latin-1.
-    """
+    """Lines of a text of optical programs: UTF-8, UTF-16 with its mark or without, Latin-1."""
     from nodes.files.picture_info import refuse_oversized_text
 
     refuse_oversized_text(path)

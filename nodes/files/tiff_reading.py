@@ -44,10 +44,7 @@ _THREADS = 4
 
 @dataclass(frozen=True)
 class _Block:
-    """A strip or tile: the rows and first column it covers, its place, what it may unpack to.
-
-    `lengths` are in bytes, the one it should have first; none where a block has no fixed length.
-    """
+    """A strip or tile; `lengths`, bytes it may unpack to: the usual first, none if any."""
 
     number: int
     plane: int
@@ -90,10 +87,7 @@ class TiffLayout:
 def read_plain_tiff(
     path: Path, expected: tuple[int, int, int], band: int, *, empty: Empty = np.empty
 ) -> Samples | None:
-    """One channel of the first picture, which is to have that many rows, columns and channels.
-
-    None where samples are not the numbers they stand for: colour maps, white as 0, packed bits.
-    """
+    """One channel of the first picture; None where samples are not the numbers they stand for."""
     with stored_bytes(path) as content:
         layout = read_tiff_layout(content, path)
         if layout.compression not in (_NONE, *_DEFLATES):
@@ -129,10 +123,7 @@ def channel_of(
 
 
 def check_deflate(path: Path) -> None:
-    """Unpack every strip or tile of the first picture and compare length and checksum.
-
-    The decoders do not wait for it: a flipped bit gave other samples, or memory never written to.
-    """
+    """Compare length and checksum of every strip or tile, for which the decoders do not wait."""
     with stored_bytes(path) as content:
 
         def check(block: _Block) -> None:

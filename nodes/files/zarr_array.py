@@ -205,7 +205,6 @@ def read_info(path: Path) -> picture_info.PictureInfo:
 
 
 def read_band(path: Path, band: int = 0, *, empty: Empty = np.empty) -> picture_info.Samples:
-    """Read one band of a store, or of an array within one; missing samples are NaN."""
     opened = _opened(path)
     info = _info(path, opened)
     if empty is np.empty:
@@ -290,7 +289,6 @@ def write_store(
 
 
 def check_zarr(path: Path) -> None:
-    """Refuse a store where the package is not installed that reads and writes it."""
     if importlib.util.find_spec("zarr") is None:
         raise FileError(f"{path}: Zarr needs the package zarr: {how_to_install('zarr')}")
 

@@ -164,10 +164,7 @@ def figures(
 
 
 def apparent_temperature(radiance: float, band_um: Band) -> float | None:
-    """Brightness temperature, K; None for what no temperature radiates, such as noise below 0.
-
-    None of reflected light either: the band begins where no scene is seen by its own warmth.
-    """
+    """Brightness temperature, K; None of noise below 0, and of a band of reflected light."""
     if band_um[0] < SHORTEST_THERMAL_UM:
         return None
     try:

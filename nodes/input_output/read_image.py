@@ -140,7 +140,6 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
         return ImageOutput(self._picture(info, recipe, unit.name, of_band, **known))
 
     def _channel(self, info: PictureInfo) -> int | tuple[int, ...]:
-        """The band that is read; of a colour picture in luminance, its three."""
         if self.bands != "luminance":
             return checked_band(self.band, info.bands, info.path)
         names = [name.upper() for name in info.channels]

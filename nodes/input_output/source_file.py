@@ -77,11 +77,7 @@ def read_step(
     interval_um: Interval | None = None,
     missing: Missing = "refuse",
 ) -> Step:
-    """Recipe of the samples of a band, or integrated over an interval, times `scale` and `offset`.
-
-    Three bands are summed to their luminance. Samples that are not finite are refused, or replaced
-    by the mean of the others, or by zero.
-    """
+    """Recipe of a band, an interval, or the luminance of three, times `scale` plus `offset`."""
     return Step.of(
         read_scaled,
         node=node,
@@ -172,10 +168,7 @@ def _filled(work: Work, samples: NDArray[Any], missing: Missing, file: Path) -> 
 def scaled_samples(
     work: Work, samples: NDArray[Any], scale: float, name: str, offset: float = 0.0
 ) -> NDArray[np.floating]:
-    """Samples times a factor, plus an offset, in the evaluation's precision.
-
-    `name` is what they are called.
-    """
+    """Samples of that name times a factor, plus an offset, in the evaluation's precision."""
     scaled: NDArray[Any] = work.empty(samples.shape)
     step = max(1, _BLOCK_SAMPLES // samples.shape[1])
     with np.errstate(over="ignore"):  # reported below, with the place
@@ -314,10 +307,7 @@ def _opened(cube: Cube) -> Iterator[Layout]:
 
 @dataclass(frozen=True)
 class CubeBands(BandStack):
-    """Bands of a cube, which stays where it is: in a file, or in memory.
-
-    `places` are their indices in the cube, `factors` what their samples are multiplied by.
-    """
+    """Bands of a cube in a file or in memory, at `places` in it, times `factors`."""
 
     cube: Cube
     places: tuple[int, ...]

@@ -241,10 +241,7 @@ Parameters = tuple[tuple[str, Any], ...]
 
 @dataclass(frozen=True)
 class SceneBands(BandStack):
-    """Bands of a test scene, by the `spectra` of its surfaces and textures.
-
-    `shares` say where they are seen; without, it is drawn anew for each sum, as `drawing` says.
-    """
+    """Bands of a test scene by their `spectra`; drawn anew for each sum where no `shares` are."""
 
     spectra: Recipe
     shares: tuple[Recipe, ...]

@@ -209,10 +209,7 @@ _TOUCHING = 1e-9  # of the wavelength, by which bands that touch may overlap by 
 
 @dataclass(frozen=True)
 class Cube:
-    """The bands of a picture, as they are written; of a `region` alone, where one is given.
-
-    `metadata` is what is known of the picture beside its bands' unit.
-    """
+    """The bands of a picture, as they are written; of a `region` alone, where one is given."""
 
     image: Image
     dtype: np.dtype[Any]

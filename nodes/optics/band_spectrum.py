@@ -36,10 +36,7 @@ _KELVIN = ("K", "kelvin")
 def weighting_responses(
     path: Path | None, folder: Path, magnitude: Magnitude | None, weighting: str
 ) -> Responses:
-    """What weights a band's wavelengths besides the light: filters before, the detector behind.
-
-    Wavelengths that count all alike are weighted by the file alone.
-    """
+    """Filters before and the detector behind weight the light; uniform, the detector alone."""
     before: Responses = ()
     if magnitude is not None and magnitude.image is not None and weighting != "uniform":
         before = magnitude.image.responses

@@ -191,10 +191,7 @@ class Rays:
 
 
 class Survey(NamedTuple):
-    """Distortion at the corner, share of rays beyond the scene, largest step in scene samples.
-
-    `needed`: rows and columns of a scene beyond which no ray looks.
-    """
+    """Distortion at the corner, share of rays beyond the scene, largest step, size `needed`."""
 
     corner: float
     beyond: float

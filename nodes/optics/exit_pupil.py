@@ -150,10 +150,7 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
         return PupilOutput(self._pupil(samples, self.size_y, self.size_x, shape, radius))
 
     def preview(self, planned: PlannedNode, work: Work, _here: NodeContext) -> Preview:
-        """The pupil on its array of samples, what is open in the colour of its wavefront error.
-
-        Only that of a file takes samples.
-        """
+        """The pupil in the colours of its wavefront error; only that of a file takes samples."""
         pupil: Pupil = planned.sound().outputs["pupil"]
         size = f"{pupil.columns} × {pupil.rows} samples"
         if pupil.shape is None:

@@ -70,10 +70,7 @@ class PupilScale:
 
 @dataclass(frozen=True)
 class PupilLaw(WavelengthLaw):
-    """The OTF of a pupil at every wavelength by itself, on a scale of one.
-
-    `interpolation` is that of the sampled pupil's autocorrelation, None for the closed form.
-    """
+    """The OTF of a pupil at every wavelength by itself; `interpolation` None: in closed form."""
 
     pupil: Pupil
     scale: PupilScale
@@ -168,7 +165,6 @@ def sampled_factors(
 
 
 def correlations(pupil: Pupil, scale: PupilScale, node: str) -> Step:
-    """Recipe of the autocorrelations: one for the band, or one a wavelength with a wavefront."""
     ratios: tuple[float, ...] = (1.0,)
     if pupil.aberrated:
         ratios = tuple(scale.mean_um / wavelength for wavelength in scale.wavelengths_um)

@@ -46,10 +46,7 @@ def edge_fraction(
 def half_plane_coverage(
     x_edges: FloatArray, y_edges: FloatArray, *, normal_x: float, normal_y: float, offset: float
 ) -> FloatArray:
-    """Share of each sample inside the half plane normal_x·x + normal_y·y > offset, (rows, columns).
-
-    The edges are the samples' borders; the normal may have any length but 0.
-    """
+    """Share of each sample inside normal_x·x + normal_y·y > offset, (rows, columns)."""
     x_mid = 0.5 * (x_edges[1:] + x_edges[:-1])
     y_mid = 0.5 * (y_edges[1:] + y_edges[:-1])
     distance = normal_x * x_mid + (normal_y * y_mid - offset)[:, None]
@@ -119,10 +116,7 @@ def ellipse_coverage(
 
 
 def star_coverage(x_edges: FloatArray, y_edges: FloatArray, *, spokes: int) -> FloatArray:
-    """Share of each sample inside the sectors of a star about the origin, cos(spokes·θ) > 0.
-
-    The samples must have unit size.
-    """
+    """Share of each sample, of unit size, inside a star about the origin, cos(spokes·θ) > 0."""
     cuts = np.unique(np.append(y_edges, np.clip(0.0, y_edges[0], y_edges[-1])))
     upper = cuts[cuts >= 0.0]
     lower = cuts[cuts <= 0.0]
@@ -178,10 +172,7 @@ def _upper_star(x_edges: FloatArray, y_edges: FloatArray, spokes: int) -> FloatA
 
 @dataclass(frozen=True)
 class Profile:
-    """A function on `low` to `high`, or several, by the indefinite integral.
-
-    The integral of several has an axis more in front than what it is given.
-    """
+    """A function on `low` to `high` by its indefinite integral; of several, an axis in front."""
 
     low: float
     high: float

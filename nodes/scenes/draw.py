@@ -100,7 +100,6 @@ def _groups(emissivity: Emissivity) -> list[tuple[CoarseSpectrum, list[int]]]:
 
 @cache
 def materials() -> Mapping[str, CoarseSpectrum]:
-    """Reflectance spectrum by name of the material."""
     path = Path(__file__).with_name("materials.csv")
     rows = (line.split(",") for line in path.read_text("utf-8").splitlines() if line[0] != "#")
     pairs = {name: [point.split() for point in points] for name, *points in rows}
@@ -506,10 +505,7 @@ def _sine(
 
 
 def _siemens_star(width: int, height: int, frequency: float) -> RowShares:
-    """Share of a disc of `frequency` sectors of signal, the first about the +x axis.
-
-    Sectors and disc are exact; where a sector meets the rim their product is taken.
-    """
+    """Share of a disc of `frequency` sectors, the first about the +x axis; at the rim a product."""
     if frequency != round(frequency) or not 1 <= frequency <= MAX_SPOKES:
         raise ParameterError("frequency", frequency, f"a whole number of spokes, 1 to {MAX_SPOKES}")
     radius = STAR_RADIUS * min(width, height)

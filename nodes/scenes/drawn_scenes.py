@@ -255,7 +255,6 @@ def draw_sky(drawing: Drawing) -> None:
 
 
 def draw_hills(drawing: Drawing) -> None:
-    """A line of distant trees behind the building."""
     size = scatter(46, seed=401)
     tone = scatter(46, seed=402)
     drawing.paint_ellipses(
@@ -366,7 +365,6 @@ CARS = (
 
 
 def dormitory() -> Drawing:
-    """Compose the scene, back to front, of the surfaces in `materials`."""
     drawing = Drawing("zenith")
     draw_sky(drawing)
     draw_hills(drawing)

@@ -135,7 +135,6 @@ class Drawing:
         self._products(mix, terms, adds=True)
 
     def add_texture(self, texture: Texture, *terms: Term) -> None:
-        """Add a pattern whose strength follows from the radiances."""
         self.textures += (texture,)
         self.add({texture.name: 1.0}, *terms)
 
@@ -149,7 +148,6 @@ class Drawing:
     def paint_ellipse(
         self, mix: Mix | str, centre_x: float, centre_y: float, radius_x: float, radius_y: float
     ) -> None:
-        """Cover an ellipse with axes along x and y."""
         shape = np.array([[centre_x], [centre_y], [radius_x], [radius_y]])
         self.paint_ellipses([_mix(mix)], *shape)
 
@@ -161,7 +159,6 @@ class Drawing:
         radius_x: coverage.FloatArray,
         radius_y: coverage.FloatArray,
     ) -> None:
-        """Cover ellipses with axes along x and y, one after the other."""
         shapes = np.array([centre_x, centre_y, radius_x, radius_y])
 
         def bind(x_edges: coverage.FloatArray) -> Patches:
@@ -176,7 +173,6 @@ class Drawing:
         self._strokes.append((top, low, names, bind, False))
 
     def paint_trapezoid(self, mix: Mix | str, upper: Side, lower: Side) -> None:
-        """Cover a trapezoid with level upper and lower sides."""
         mixed = _mix(mix)
         (top, *at_top), (low, *at_low) = upper, lower
         sides = []
@@ -387,7 +383,6 @@ class Layers:
     ends: npt.NDArray[np.int32]
 
     def picture(self, radiances: Radiances) -> npt.NDArray[np.floating]:
-        """The picture for these radiances, of the shares' type."""
         known = with_textures(radiances, self.textures)
         patterns = {texture.name for texture in self.textures}
         # The surfaces' shares sum to 1. Above the least of them there is nothing that cancels, and

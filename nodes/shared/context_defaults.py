@@ -43,13 +43,11 @@ def interval_of(name: str, fov_deg: float | None, samples: int) -> float | None:
 
 
 def pixel_mrad(axis: str, context: Context) -> float:
-    """Angle from pixel to pixel."""
     pitch = of_context(f"detector_{axis}_um", context)
     return ifov_mrad(pitch_um=pitch, focal_length_mm=of_context("focal_length_mm", context))
 
 
 def pixel_of(context: Context) -> dict[str, float]:
-    """Pitches and fill factors of a pixel."""
     pitches = {f"pitch_{axis}_um": of_context(f"detector_{axis}_um", context) for axis in "xy"}
     return {**pitches, "fill_x": context.fill_x, "fill_y": context.fill_y}
 
@@ -147,11 +145,7 @@ def with_interval(image: Image, context: Context) -> Image:
 
 
 def one_source(magnitude: Magnitude, phase: Phase, *, wanted: str, refusal: str) -> Image:
-    """The one image that both wires belong to.
-
-    `wanted` and `refusal` are for people: what there has to be, and what does not do with two
-    images.
-    """
+    """The one image that both wires belong to; `wanted` and `refusal` are words for people."""
     source, other = magnitude.image, phase.image
     if source is None or other is None:
         raise DataError(

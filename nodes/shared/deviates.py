@@ -140,10 +140,7 @@ class SeededModule(Module):
     seed: int = param(0, "seed, used when seed_mode is typed", (0, 2**63 - 1))
 
     def stream(self, here: NodeContext, field: str, *, fixed: bool = False) -> Stream:
-        """The stream of one noise field; a typed seed gives the same noise under any name.
-
-        What is `fixed` is the same in every frame of a sequence.
-        """
+        """The stream of a noise field, perhaps `fixed`; a typed seed holds under any name."""
         if self.seed_mode == "typed":
             return Stream(seed=self.seed, node="", field=field, fixed=fixed)
         return Stream(seed=here.seed, node=here.noise or here.node, field=field, fixed=fixed)

@@ -42,10 +42,7 @@ def at_pixel_nyquist(transfer: Transfer, context: Context, axis: str) -> Transfe
 
 
 class NyquistReadouts(Module):
-    """Base class of modules with an MTF.
-
-    Adds read-outs of the MTF at the Nyquist frequencies of the samples and of the pixels.
-    """
+    """Base of modules with an MTF, read out at the Nyquist frequencies of samples and pixels."""
 
     @readout()
     def mtf_at_nyquist_x(self, axis: str, outputs: Any) -> TransferAt | None:
@@ -193,7 +190,6 @@ LightingSource = Annotated[
 
 
 def figure_reason(work: Work, table: TableData, *, name: str) -> str:
-    """Why that value of a table is none."""
     return next((row.reason for row in table.rows if row.name == name), "")
 
 
@@ -246,10 +242,7 @@ def separable(
     label: str = "",
     node: str | None = None,
 ) -> tuple[Separable, ...]:
-    """A separable factor of one function with its parameters for each axis.
-
-    None for an axis is the identity there; none for both gives no factor at all.
-    """
+    """A separable factor; None for an axis is the identity there, for both it gives no factor."""
     if x is None and y is None:
         return ()
     laws = [
@@ -262,7 +255,6 @@ def separable(
 def radial(
     function: Callable[..., Any], *, label: str = "", node: str | None = None, **parameters: Any
 ) -> tuple[Planar, ...]:
-    """A factor of the radial frequency alone."""
     return (Planar(Law.of(function, **parameters), radial=True, label=label, node=node),)
 
 

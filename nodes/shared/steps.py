@@ -108,10 +108,7 @@ class AboutMean(Linear):
 
 @dataclass(frozen=True)
 class Carried(Linear):
-    """Noise that is new in every frame, and noise that stays, times a factor; None: it ends here.
-
-    What is left of one that ends the step adds itself.
-    """
+    """New noise and noise that stays, each times a factor; None: the step itself adds the rest."""
 
     temporal: float = 1.0
     fixed: float | None = 1.0

@@ -312,7 +312,6 @@ def _samples(interval: tuple[float, float], side: float) -> Curve:
 def _rectangle(
     middle: tuple[float, float], size: tuple[float, float], colour: Colour, style: Style
 ) -> Curve:
-    """A pitch dotted, a sensitive area in full and tinted."""
     x = middle[0] + size[0] / 2 * np.array([-1, 1, 1, -1, -1])
     y = middle[1] + size[1] / 2 * np.array([-1, -1, 1, 1, -1])
     return Curve(x, y, colour, style, width=1.2, fill="inside" if style == "solid" else "")
@@ -326,7 +325,6 @@ def _arrow(pitch: tuple[float, float], *, along: bool) -> Curve:
 
 
 def _facts(context: Context, pitch: tuple[float, float] | None) -> tuple[str, ...]:
-    """What the sketch shows, in numbers."""
     grid = context.grid
     facts = [
         f"{_NAMES[context.platform]}, {grid.columns} × {grid.rows}",

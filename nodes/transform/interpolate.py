@@ -78,7 +78,6 @@ class Interpolate(Module, key="interpolate", title="Interpolate", group="Transfo
 def resampled(
     work: Work, region: Region, image: Seen, *, old: Size, new: Size, **how: Any
 ) -> Array:
-    """The image's `old` rows and columns as `new` ones."""
     rows, columns = region.slices
     top, height, along = _needed(taps(old[0], new[0], **how), rows)
     left, width, across = columns.start, region.columns, None
@@ -163,8 +162,6 @@ def within_frame(index: NDArray[np.int64], size: int, edges: Edges | None) -> ND
 
 @dataclass(frozen=True)
 class Resampling(Linear):
-    """What interpolation does to transfer functions, noise and rows."""
-
     old: Size
     new: Size
     order: int
