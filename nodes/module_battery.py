@@ -1,9 +1,6 @@
-"""What must hold of any module: those who write one run it over theirs.
+"""What the engine relies on in any module: those who write one run it over theirs.
 
-It holds a module against what the engine relies on: that its parameters take or refuse a value in
-one line, that equal keys mean equal values, that a part of a picture is a part of the whole, that
-single and double precision agree, that a transfer function is 1 at zero, and that each step says
-what becomes of a picture in it. Whether its physics is right is for its own tests.
+Whether its physics is right is for its own tests.
 """
 
 import json
@@ -100,7 +97,6 @@ class _Trial:
         return planned(self.module, {**self.params, **changes}, self.scene, self.folder)
 
     def in_double(self) -> tuple[Engine, Plan, Work, Mapping[str, Any]]:
-        """The engine, the plan, work in double precision, and the module's outputs."""
         engine, plan = self.planned()
         return engine, plan, engine.work(DOUBLE), plan.nodes[IT].outputs
 

@@ -277,7 +277,6 @@ Pair = tuple[float, float]  # horizontal and vertical
 def edge_quality(
     work: Work, *, stages: lineage.Stages, grid: Grid
 ) -> tuple[Pair, Pair, tuple[Vector, Vector]]:
-    """Relative edge response, overshoot and edge response."""
     results = []
     for line, sample_mrad in (
         (lineage.HORIZONTAL, grid.interval_x_mrad),

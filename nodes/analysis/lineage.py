@@ -31,8 +31,6 @@ Vector = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Line:
-    """A direction in the plane of frequencies: unit vector and name."""
-
     name: str
     across: float
     along: float
@@ -322,7 +320,6 @@ class NoiseOf(Recipe):
         return ImageNoise(terms, mean, tuple(dict.fromkeys(unknown)), spectrum)
 
     def _with_patterns(self, work: Work, noises: list[Noise]) -> list[Noise]:
-        """Known patterns as they show in the picture."""
         picture = self.image.recipe
         if work.blocks is not None and work.blocks.disk.wants(self.image.shape, np.float64):
             names = ", ".join(dict.fromkeys(noise.name for noise in noises if noise.pattern))

@@ -173,7 +173,6 @@ MEANINGS = {
 
 
 def noise_of_frames(frames: Iterator[NDArray[Any]], clean: NDArray[Any]) -> MeasuredNoise:
-    """The components of a picture's noise over its first frames, against `clean`."""
     clean = np.asarray(clean, np.float64)
     cube = NoiseCube(*clean.shape)
     for picture in frames:

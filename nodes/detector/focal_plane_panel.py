@@ -20,8 +20,6 @@ _ALL = 0.0, 1e6  # µm
 
 
 class FocalPlanePanel(SeededModule):
-    """Parameters of a focal plane; what they come to is made of the context too."""
-
     integration_time_s: float = param(
         0.001, "integration time (with TDI: of each stage)", (0, 1e4), above=True, slider=(0, 0.05)
     )
@@ -308,7 +306,6 @@ class FocalPlanePanel(SeededModule):
         return self.charge_gain_factor if used else 1.0
 
     def _excess_factor(self) -> float:
-        """Variance behind the gain over that without its noise."""
         computed = excess_noise_factor(
             charge_gain=self.charge_gain,
             factor=self._gain(),

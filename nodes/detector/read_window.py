@@ -108,8 +108,6 @@ class ReadWindow(Module, key="read_window", title="Read-out Window", group="Dete
 
 @dataclass(frozen=True)
 class Windowed(Linear):
-    """Some rows and columns of a picture of the `old` size."""
-
     window: Region
     old: tuple[int, int]
 

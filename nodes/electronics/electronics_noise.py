@@ -235,7 +235,6 @@ class ElectronicsNoise(
             raise ParameterError("range_high", high, f"above range_low = {low:g}", unit="W/m²/sr")
 
     def run(self, image: Image, context: Context, here: NodeContext) -> ElectronicsOutputs:
-        """Plan every stage as a value of its own, so that an edit repeats only what follows it."""
         image = summed_within(image, self.cut_on_um, self.cut_off_um)
         seen = here.step(picture_range, image.recipe)
         detector = self._detector(context)

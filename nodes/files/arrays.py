@@ -181,8 +181,6 @@ def write_curves(
 
 @dataclass(frozen=True)
 class NpyHeader:
-    """What a ``.npy`` file says of its samples, and where they begin."""
-
     shape: tuple[int, ...]
     dtype: np.dtype[Any]
     fortran_order: bool

@@ -1,33 +1,14 @@
 """Quantities against wavelength or frequency from text: CSV, MODTRAN's output, Zemax' listings.
 
-Columns are parted by comma, semicolon, tab or blanks; lines that begin with ``#`` and a first line
-of names are passed over. The transmission and path radiance of a path come from a CSV of three
-columns, a tape7, or MODTRAN 6's JSON.
+A tape7, of a run of MODTRAN in the radiance modes (IEMSCT 1 or 2), has a line of names below the
+cards of its input, and a line for each wavenumber, ended by ``-9999.``. Read are FREQ in cm⁻¹, TOT
+TRANS, and for the path radiance PTH THRML, which includes THRML SCT, and SOL SCAT, which includes
+SING SCAT and is blank without the sun; of MODTRAN 6, whose JSON has the columns as lists, THRML_EM,
+THRML_SCT, MULT_SCAT and SING_SCAT. They are in W/cm²/sr per cm⁻¹. With λ = 10⁴/ν µm a cm⁻¹ is
+λ²/10⁴ µm wide, and a m² has 10⁴ cm²: L_λ = L_ν·10⁸/λ² W/m²/sr/µm. Columns that a mode leaves blank
+shift no others: numbers belong to the name they stand under.
 
-A tape7 is MODTRAN's spectral output. A run in the radiance modes (IEMSCT 1 or 2) writes, below the
-cards of its input, a line of names::
-
-    FREQ   TOT TRANS  PTH THRML  THRML SCT  SURF EMIS   SOL SCAT  SING SCAT  GRND RFLT  …  TOTAL RAD
-
-and a line for each wavenumber, ended by ``-9999.``; newer versions write TOT_TRANS and so on. Four
-of the columns are read, by their names:
-
-- ``FREQ``, wavenumber in cm⁻¹;
-- ``TOT TRANS``, transmission of the whole path;
-- ``PTH THRML``, emitted by the path and scattered into it, which includes THRML SCT;
-- ``SOL SCAT``, sunlight scattered into it, which includes SING SCAT and is blank without the sun.
-
-The last two together are the path radiance; what the surface emits and reflects is left to the
-picture. They are in W/cm²/sr per cm⁻¹. With λ = 10⁴/ν µm a cm⁻¹ is λ²/10⁴ µm wide, and a m² has
-10⁴ cm²: L_λ = L_ν·10⁸/λ² W/m²/sr/µm. Columns that a mode leaves blank shift no others: numbers
-belong to the name they stand under.
-
-MODTRAN 6 writes four parts of the path radiance, emission and scattering apart: THRML_EM,
-THRML_SCT, MULT_SCAT, SING_SCAT. Its JSON output has the columns as lists below MODTRAN,
-MODTRANOUTPUT, SPECTRA, RADIANCE.
-
-Sources: Berk et al. 2011, MODTRAN 5.2 user's manual; the headings and what they include, Ontar
-Corporation, "Tape7 column headers".
+Sources: Berk et al. 2011, MODTRAN 5.2 user's manual; Ontar Corporation, "Tape7 column headers".
 """
 
 import json

@@ -1,10 +1,6 @@
 """ENVI pictures as DIRSIG writes them: raw samples, described by a text header.
 
-Interleave bsq, bil and bip, every real data type (1, 2, 3, 4, 5, 12, 13, 14, 15), both byte
-orders and a header offset. ``data gain values`` and ``data offset values`` are applied. A sample
-equal to the header's ``data ignore value`` is missing: NaN. See
-`nodes.files.picture_info` for the header keys that are read besides ENVI's own
-``wavelength``, ``wavelength units`` and ``fwhm``.
+Gains and offsets are applied; a sample equal to ``data ignore value`` is missing: NaN.
 """
 
 from __future__ import annotations
@@ -43,7 +39,6 @@ _WAVENUMBERS = ("wavenumber", "wavenumbers", "cm-1", "1/cm", "cm^-1")
 
 
 def read_info(path: str | os.PathLike[str]) -> picture_info.PictureInfo:
-    """Read an ENVI header, by its path or its data's, and check it against the data's size."""
     return info_of(read_layout(path))
 
 

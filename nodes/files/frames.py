@@ -1,11 +1,8 @@
-"""Writing files of frames: what stands before them, between them and beside them.
+"""Writing files of frames, and reading them, one frame at a time, in the memory of one.
 
-The samples follow from front to end, so a file of any number of frames takes the memory of one.
-
-A TIFF is not compressed, classic or big: frames as pages, or one picture in tiles, of which other
-programs read a part. Every page, and every tile, takes the same number of bytes, so a directory
-names what follows before that is written. Sources: Adobe, TIFF Revision 6.0 (1992), sections 2, 8,
-15 and 19; libtiff, BigTIFF design (2007).
+A TIFF is not compressed, classic or big. Every page, and every tile, takes the same number of
+bytes, so a directory names what follows before that is written. Sources: Adobe, TIFF Revision 6.0
+(1992), sections 2, 8, 15 and 19; libtiff, BigTIFF design (2007).
 """
 
 import contextlib

@@ -1,10 +1,8 @@
 """Pictures by OpenImageIO: EXR, TIFF (float, tiled, BigTIFF), HDR, PNG, FITS, JPEG and more.
 
-Samples are delivered as the numbers the file stores: an 8-bit 200 reads 200.0, never 200/255,
-and colour is not multiplied by alpha. Integers of a packed depth (4, 10, 12 bits) have their own
-range, not the one of the container. FITS samples are scaled by BZERO and BSCALE as the format
-requires, with the row that FITS stores last at the top. A TIFF that counts white as 0 is delivered
-with black as 0. A band is a channel of the first picture in the file.
+Samples are the numbers that the file stores: an 8-bit 200 reads 200.0, colour is not multiplied by
+alpha, and integers of a packed depth (12 bits, say) have their own range. FITS is scaled by BZERO
+and BSCALE, its last row at the top; a TIFF that counts white as 0 is turned to black as 0.
 """
 
 import contextlib

@@ -1,12 +1,9 @@
 """TIFF files that are read without OpenImageIO: packed by deflate, or some of 64-bit samples.
 
 OpenImageIO 3.2 takes damaged deflate for whole, and delivers doubles in tiles, or in a single row,
-as whatever lay in memory: its tile path unpacks samples of up to 32 bits only. Classic and big
-TIFF, both byte orders, strips and tiles, every predictor.
-
-Sources: Adobe, TIFF Revision 6.0 (1992), sections 2, 3, 14 and 15; Adobe, TIFF Technical Note 3
-(2005), floating-point predictor; libtiff, BigTIFF design (2007); Deutsch, RFC 1950 (1996),
-Adler-32.
+as whatever lay in memory. Sources: Adobe, TIFF Revision 6.0 (1992), sections 2, 3, 14 and 15;
+Adobe, TIFF Technical Note 3 (2005), floating-point predictor; libtiff, BigTIFF design (2007);
+Deutsch, RFC 1950 (1996), Adler-32.
 """
 
 import contextlib
@@ -333,7 +330,6 @@ def _unpacked(content: StoredBytes, block: _Block, path: Path) -> Iterator[bytes
 def _unpredicted(
     raw: bytes, shape: tuple[int, int, int], predictor: int, kind: np.dtype[Any]
 ) -> NDArray[Any]:
-    """Undo the differences between neighbours that make a row compress better."""
     rows, columns, channels = shape
     size = kind.itemsize
     if predictor == 1:

@@ -1,11 +1,9 @@
-"""Zarr arrays as pictures, read and written chunk by chunk, in the memory of a few.
+"""Zarr arrays, versions 2 and 3, as pictures, read and written in the memory of a few chunks.
 
-Versions 2 and 3, with any packing that the library knows. Rows and columns are found by the names
-of the dimensions where the store gives them (y and x, lines and samples, latitude and longitude,
-…), else they are the first two; a third dimension is that of bands. In a group the one array of
-two or three dimensions is read. Samples equal to an attribute ``_FillValue`` or ``missing_value``
-are NaN, and so are those of a chunk whose file is not there. Stores of our own have a file for
-every chunk: one that lacks a file is damaged. ``scale_factor`` and ``add_offset`` are not applied.
+Rows and columns are found by the names of the dimensions where the store gives them, else they are
+the first two; a third is that of bands. Samples equal to ``_FillValue`` or ``missing_value``, and
+those of a chunk whose file is not there, are NaN; but a store of our own that lacks a file is
+damaged. ``scale_factor`` and ``add_offset`` are not applied.
 Source: Zarr core specification, version 3.1 (2025); CF Metadata Conventions 1.11, section 2.5.
 """
 
@@ -59,7 +57,6 @@ def store_state(folder: Path) -> tuple[int, int]:
 
 
 def count_chunks(folder: Path) -> int:
-    """How many files of samples are in the folder of an array."""
     return sum(
         stat.S_ISREG(status.st_mode) and path.rpartition(os.sep)[2] not in _METADATA
         for path, status in _states(folder)

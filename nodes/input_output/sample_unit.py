@@ -196,8 +196,6 @@ _LEAST, _MOST = 1e-100, 1e100  # deviations that can be squared as they are
 
 @dataclass(frozen=True)
 class Statistics:
-    """Extremes, mean and standard deviation (of the population)."""
-
     minimum: float
     maximum: float
     mean: float

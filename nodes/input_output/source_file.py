@@ -139,7 +139,6 @@ def luminance(file: Path, bands: tuple[int, ...], *, empty: Empty = np.empty) ->
 
 
 def check_unchanged(file: Path, stamps: Stamps) -> None:
-    """Refuse a file that is another one than was planned with (`FileError`)."""
     if tuple(_stamp(Path(name)) for name, _, _ in stamps) != stamps:
         raise FileError(f"{file}: changed since the network was planned; run the network again")
 
@@ -248,7 +247,6 @@ class HeldSamples:
 
     @cached_property
     def key(self) -> str:
-        """Content key: equal samples of equal type have the same."""
         digest = hashlib.blake2b(self.samples.data, digest_size=16)
         samples = self.samples
         about = (samples.shape, samples.dtype.str, self.wavelengths_um, self.widths_um)

@@ -172,7 +172,6 @@ class TestScene(PicturePreview, key="test_scene", title="Test Scene", group="Inp
     def _stack(
         self, shares: tuple[Step, ...], drawing: Named, sources: Named, here: NodeContext
     ) -> SceneBands:
-        """Bands of equal width."""
         how = sources | self._named("bands", "emissivity", "sun_elevation_deg", "quantity")
         ends = {"cut_on_um": self.cut_on_um, "cut_off_um": self.cut_off_um}
         edges = draw.band_edges(**ends, bands=self.bands)

@@ -133,7 +133,6 @@ def kelvin_caution(magnitude: Magnitude, band: Band, source_K: float | None) -> 
 
 
 def one_wavelength_caution(response: Path | None, one: bool) -> Caution | None:
-    """A response that is not used, as one wavelength is taken."""
     if response is None or not one:
         return None
     return Caution(

@@ -185,7 +185,6 @@ class DiffractionMTF(
         magnitude: Magnitude,
         detector: band_spectrum.Responses,
     ) -> Planar:
-        """Each band of the picture at its own wavelength; the mean is weighted by their light."""
         bands = self._bands(magnitude)
         if bands is None:
             return blur

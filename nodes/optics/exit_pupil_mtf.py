@@ -196,7 +196,6 @@ def _map_ratio(pupil: Pupil, scale: PupilScale, ratios: tuple[float, ...] = (1.0
 
 
 def sampled_error(pupil: Pupil, scale: PupilScale, node: str) -> Step:
-    """Recipe of the estimate that covers the sampled OTF's error."""
     map_ratio = _map_ratio(pupil, scale)
     return _of_samples(_error, pupil, node, map_ratio=map_ratio, shape=pupil.shape)
 
@@ -418,7 +417,6 @@ class ExitPupilMTF(NyquistReadouts, key="exit_pupil_mtf", title="Exit Pupil MTF"
     def _by_light(
         self, scale: PupilScale, context: Context, magnitude: Magnitude, here: NodeContext
     ) -> PupilScale:
-        """The wavelengths weighted by the light, and by what is detected of it."""
         if self.wavelengths == 1:
             return scale
         if magnitude.image is not None and magnitude.image.bands is not None:
@@ -490,6 +488,5 @@ def _weights_by_light(
 
 
 def _lit_extent(work: Work, samples: NDArray[np.float64], *, axis: int, interval: float) -> float:
-    """From the first to the last transparent sample."""
     lit = np.flatnonzero(samples.any(axis=1 - axis))
     return float(lit[-1] - lit[0] + 1) * interval

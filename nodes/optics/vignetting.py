@@ -34,7 +34,6 @@ class LightOverField(Module):
 
     @property
     def off(self) -> bool:
-        """Whether the picture passes unchanged."""
         raise NotImplementedError
 
     @readout("%")
@@ -231,7 +230,6 @@ class Vignetted(Linear):
 @picture_step(linear=lambda _, **how: Vignetted(**how))
 @by_region(lambda image, **_: image.shape)
 def lit(work: Work, region: Region, image: Seen, *, grid: Grid, law: Law) -> Array:
-    """The samples of a region times the relative illumination of each."""
     samples = image(region)
     made = np.empty(samples.shape, samples.dtype)
     x, y = (

@@ -1,8 +1,7 @@
 """Exact share of each sample's area that a shape covers, and exact means of functions of x or y.
 
-Edges are the borders between samples, in increasing order and in any unit: n samples have n + 1
-edges. Every result is a mean over the sample's area, so pictures drawn with it are not aliased
-and the mean of 2 × 2 samples is the sample of twice the size.
+Edges are the borders between samples, rising, in any unit: n samples have n + 1. Results are means
+over a sample's area, so nothing is aliased.
 """
 
 from bisect import bisect_left, bisect_right
@@ -179,7 +178,6 @@ class Profile:
     integral: Callable[[FloatArray], FloatArray]
 
     def means(self, edges: FloatArray) -> FloatArray:
-        """Mean over each sample between successive `edges`."""
         sums = self.integral(np.minimum(np.maximum(edges, self.low), self.high))
         means: FloatArray = (sums[..., 1:] - sums[..., :-1]) / (edges[1:] - edges[:-1])
         return means

@@ -1,9 +1,8 @@
 """A drawing: an ordered list of strokes over the frame 0 to 1 in x and y, drawn at any size.
 
-`add` sums products of profiles, which keeps the area mean exact however fine the detail;
-`paint_*` covers what is below, exact as long as that is uniform within the sample.
-
-Strokes give where which surface is, not how bright it is: that is given when it is rendered.
+`add` sums products of profiles, whose area mean is exact however fine the detail; `paint_*` covers
+what is below, exact as long as that is uniform within the sample. How bright a surface is, is given
+when the drawing is rendered.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence

@@ -16,7 +16,6 @@ Band = tuple[float, float]
 
 
 def given(name: str, own: float | None, context: Context) -> float:
-    """The module's own value, else the context's of the same name."""
     if own is not None:
         return own
     return of_context(name, context, where="here or on Init & Trans")
@@ -99,7 +98,6 @@ def lens(context: Context, *, optics_transmission: float, f_number: float | None
 
 
 def t_number_caution(context: Context, optics_transmission: float) -> Caution | None:
-    """A transmission beside a T-number, which holds one already."""
     if context.t_number is None or optics_transmission == 1.0:
         return None
     own = lens(context, optics_transmission=1.0).transmission
@@ -230,7 +228,6 @@ def band_caution(
 def wavelength_caution(
     picture: Band | None, wavelength_um: float | None, *, name: str
 ) -> Caution | None:
-    """A wavelength outside the picture's band."""
     if picture is None or wavelength_um is None:
         return None
     low, high = picture

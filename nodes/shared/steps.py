@@ -172,7 +172,6 @@ class OverFrames(recipes.Recipe):
 def filtered_lines(
     work: Work, region: recipes.Region, picture: recipes.Seen, *, grid: Grid, label: str, **how: Any
 ) -> Array:
-    """The picture filtered along its lines, as one stage of this label."""
     wanted = recipes.Region(region.top, 0, region.rows, grid.columns)
     lines = filter_lines(work, picture(wanted), grid=grid, **how)
     return np.ascontiguousarray(lines[:, region.slices[1]])

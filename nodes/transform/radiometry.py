@@ -106,8 +106,6 @@ def _by_rows(
 
 
 class Radiometry(Module):
-    """Base class of modules for surfaces with one emissivity in a band."""
-
     emissivity: float = param(
         1.0, "emissivity of all samples, if no emissivity image is connected", (0, 1), above=True
     )
@@ -126,7 +124,6 @@ class Radiometry(Module):
     )
 
     def surface(self, image: Image) -> Surface:
-        """The surfaces in the band here, else the image's."""
         band = given_band(self.cut_on_um, self.cut_off_um, image.band_um, empty=False)
         names = ("emissivity", "surroundings_K", "cut_on_um", "cut_off_um")
         values = (self.emissivity, self.surroundings_K, *band)
