@@ -355,8 +355,6 @@ def _finite(value: Any) -> bool:
     return math.isfinite(value) if isinstance(value, float) else True
 
 
-# A small network around one module, its inputs linked by their types.
-
 IT = "it"
 SENSOR = {
     "focal_length_mm": 50.0, "f_number": 2.0, "detector_x_um": 30.0, "detector_y_um": 30.0,

@@ -123,8 +123,6 @@ def compared(work: Work, image: Array, reference: Array, *, unit: str) -> TableD
     )
 
 
-# The MTF between two pictures, from the ratio of their spectra.
-
 Vector = NDArray[np.float64]
 _BLOCK_SAMPLES = 1 << 18
 # Times the rounding of the samples: where the reference has less, the ratio would be noise.

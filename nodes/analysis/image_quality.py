@@ -264,8 +264,6 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
     )
 
 
-# What image quality equations take of a chain: its edge response, its signal over noise.
-
 Vector = NDArray[np.float64]
 BRIGHT, DARK = 0.15, 0.07
 """Reflectances whose contrast is the signal of the equations (Leachtenauer et al. 1997)."""

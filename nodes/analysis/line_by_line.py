@@ -18,8 +18,6 @@ from nodes.shared.context_defaults import given, one_source
 from nodes.shared.module_ports import TableFigures
 from nodes.shared.steps import difference
 
-# Steps of Line by Line: the frame of mixed sampling, and how far the whole-image way is off.
-
 Scan = Literal["x", "y"]
 Factors = tuple[Factor, ...]
 Frame = tuple[Grid, Edges, Scan]

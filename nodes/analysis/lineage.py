@@ -26,8 +26,6 @@ from core.transfer.factors import Factor, Grid, Part, factor_at
 
 Vector = NDArray[np.float64]
 
-# Transfer functions along a line through zero frequency, without the 2-D plane.
-
 
 @dataclass(frozen=True)
 class Line:
@@ -140,9 +138,6 @@ def samples_along(
     elif np.iscomplexobj(value):
         value = np.abs(value)
     return frequency, np.asarray(value, np.float64)
-
-
-# The transfer functions on the way to a picture, from its source on.
 
 
 @dataclass(frozen=True)

@@ -277,8 +277,6 @@ def _end(source: Grid, xi_per_pixel: float, eta_per_pixel: float) -> float:
     return 0.5 if least >= 0.5 * (1.0 - 1e-9) else least
 
 
-# A measured MTF, and what was expected, as curves and figures.
-
 Axis = Literal["cyc_per_mrad", "cyc_per_pixel"]
 NYQUIST = 0.5  # cycles per pixel
 UNITS: dict[Axis, str] = {"cyc_per_mrad": "cyc/mrad", "cyc_per_pixel": "cyc/pixel"}

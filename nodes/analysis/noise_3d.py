@@ -117,9 +117,6 @@ class Noise3D(Module, key="noise_3d", title="3-D Noise", group="Analysis"):
     )
 
 
-# Noise of frames in a file, of a camera say, as the noise of simulated frames.
-
-
 def frames_in_file(path: Path, here: NodeContext, image: Image | None) -> tuple[Recipe, str]:
     file = readable_file((here.folder / path).absolute())
     stamps = stamps_of(file, header_beside(file))
@@ -158,8 +155,6 @@ def measured_in_file(work: Work, *, path: Path, stamps: tuple[Stamp, ...]) -> Me
         cube.add(frame)
     return cube.measured()
 
-
-# Noise measured from simulated frames, beside the noise predicted from the chain.
 
 MEANINGS = {
     "tvh": "noise that varies from sample to sample and from frame to frame",

@@ -156,8 +156,6 @@ def unknown_before(transfer: lineage.ImageTransfer) -> str | None:
     return source.node or "a node"
 
 
-# A budget of noise or blur as bars and as figures.
-
 Show = Literal["share", "amount"]
 _WORDS = {"file": "noise file", "periodic": "periodic noise"}
 _TOGETHER = "All together"

@@ -166,8 +166,6 @@ def kernel_table(_: Work, kernels: Kernels) -> TableData:
     )  # fmt: skip
 
 
-# Convolution of a frame in space, tap by tap, on blocks that stay in the processor's cache.
-
 BLOCK_SAMPLES = 1 << 14
 
 

@@ -272,8 +272,6 @@ def unseen(gain: float, levels: Sequence[LevelChange], consequence: str) -> Unse
     return f"{reason}: {consequence}"
 
 
-# Probability against range that a target is acquired, and the figures of merit as a table.
-
 Nyquists = tuple[float, float]  # across and along
 TtpForm = Literal["mrtd", "system_contrast_threshold"]
 TASKS = ("detection", "recognition", "identification")

@@ -347,8 +347,6 @@ def _orbit_altitude_m(image: Image) -> float | None:
     return None if orbit is None else 1000.0 * orbit.altitude_km
 
 
-# The steps of Atmospheric Path: what the path does to the band, the picture behind it, figures.
-
 Band = tuple[float, float]
 Row = tuple[float, ...]
 _LISTED = 21  # wavelengths in the table

@@ -239,8 +239,6 @@ def _share(unit: str) -> float:
     return share
 
 
-# The steps of Reflected Light: radiance of reflectances, in one band or several.
-
 _ABOVE_ONE = 1e-6  # by which a reflectance of 1 may be rounded
 
 

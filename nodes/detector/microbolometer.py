@@ -407,9 +407,6 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
     )
 
 
-# The stages of Microbolometer as steps: lag along a scan and over frames, patterns, noise.
-
-
 def _lag(*_: Recipe, weights: tuple[float, ...]) -> steps.Carried:
     """Temporal noise by the root of the sum of squares of the weights."""
     return steps.Carried(temporal=float(np.linalg.norm(weights)))

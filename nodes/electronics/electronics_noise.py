@@ -534,9 +534,6 @@ class ElectronicsNoise(
     )
 
 
-# A picture in bands where its sum is wanted: of all bands, or of those within a filter.
-
-
 def summed_within(image: Image, low_um: float | None, high_um: float | None) -> Image:
     """The radiance of bands within a filter; one at its end counts by its part."""
     bands = image.bands

@@ -128,8 +128,6 @@ def read_motion(path: Path) -> tuple[Points, Points]:
     return across, tuple((row[0], row[-1]) for row in rows)
 
 
-# Transmission and path radiance of a path.
-
 COLUMNS = ("wavelength_um", "transmission", "path_radiance")
 _LONGEST_BYTES = 50_000_000
 _LARGEST_RADIANCE = 1e30

@@ -245,8 +245,6 @@ def write_picture(
     kind.write(file, as_stored(as_picture(array), dtype, low, high), metadata or {})
 
 
-# One door to every kind of picture file, and the check of its samples.
-
 _BLOCK_SAMPLES = 1 << 20
 
 

@@ -304,8 +304,6 @@ def _amount(size: int) -> str:
     return f"{size} bytes"
 
 
-# Reading one frame at a time, in the memory of one.
-
 _READ = ".npy (frames, rows, columns), TIFF with one page per frame, ENVI with one band per frame"
 
 

@@ -409,9 +409,6 @@ def _quiet_stderr() -> Iterator[None]:
         yield
 
 
-# Damage that the library would not report, or only on stderr.
-
-
 def refuse_damaged(path: Path) -> None:
     """Raise `FileError` for what a checksum or an end marker of the format gives away.
 

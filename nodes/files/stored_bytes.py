@@ -80,9 +80,6 @@ def stored_bytes(path: Path) -> Iterator[StoredBytes]:
         raise FileError(f"{path}: {error.strerror or error}") from error
 
 
-# Checks of a path before a reader sees it.
-
-
 def readable_file(path: str | os.PathLike[str]) -> Path:
     """The path, once it is known to be a regular, readable file that is not empty."""
     text = os.fspath(path)

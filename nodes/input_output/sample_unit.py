@@ -140,8 +140,6 @@ def _of_typed(
     return SampleUnit(RadianceUnit(1.0, own.photons).name, own.factor / taken)
 
 
-# Whether samples can be the radiance they are read as.
-
 _REMEDY = "give the samples' unit, such as K or DN, or the scale that converts them to W/m²/sr"
 
 
@@ -186,8 +184,6 @@ def _like_kelvin(stats: Statistics) -> bool:
     low, high = stats.mean - 2 * stats.sigma, stats.mean + 2 * stats.sigma
     return low >= spectra.COLDEST_SURFACE_K and high <= spectra.HOTTEST_SURFACE_K
 
-
-# Statistics and histogram of samples, in double precision and fixed blocks.
 
 Array = NDArray[Any]
 BLOCK_SAMPLES = 1 << 18

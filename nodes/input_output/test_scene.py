@@ -233,8 +233,6 @@ def shares_drawn(work: Work, *, kind: str, width: int, height: int, **geometry: 
     return draw.draw_shares(kind, _canvas(work, width, height), **geometry)
 
 
-# The spectral bands of a test scene: their sums are drawn, never a cube.
-
 Parameters = tuple[tuple[str, Any], ...]
 
 

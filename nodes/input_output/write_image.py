@@ -199,8 +199,6 @@ def _metadata(image: Image) -> dict[str, MetadataValue]:
     return fields
 
 
-# Writing all bands of a picture into an ENVI file, one after the other.
-
 Array = NDArray[Any]
 _BYTES_AT_ONCE = 1 << 26
 _BANDS_AT_ONCE = 16

@@ -392,8 +392,6 @@ def _field_caution(
     )
 
 
-# What follows of a camera's data sheet: angles, frequencies, distances on the ground.
-
 Band = tuple[float, float]
 
 

@@ -264,9 +264,6 @@ def _circled(work: Work, samples: Array) -> float:
     return support_circle(samples)[2]
 
 
-# Steps that read the amplitude and the wavefront of a pupil from files.
-
-
 def loaded_opening(work: Work, *, file: Path, **reading: Any) -> Array:
     """Amplitude transmission over its largest; of complex samples their modulus."""
     samples = stored_samples(file=file, **reading)

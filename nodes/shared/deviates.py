@@ -120,8 +120,6 @@ def unit_deviates(work: Work, *, stream: Stream, shape: tuple[int, int]) -> Arra
     return normal_field(stream, shape, dtype=work.policy.dtype, for_each=work.for_each)
 
 
-# Where a noise source's deviates come from.
-
 SEED_SECTIONS = (
     Section("Seed", ("seed_mode",)),
     Section("", ("seed",), shown_when=("seed_mode", ("typed",))),

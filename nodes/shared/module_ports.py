@@ -158,8 +158,6 @@ class PtfModule(Module):
         return at_pixel_nyquist(outputs.ptf, context, "x")
 
 
-# Parameters that several modules have alike, by their annotations.
-
 CutOn = Annotated[float | None, Param("shortest wavelength; empty: from the image's band", low=0)]
 CutOff = Annotated[float | None, Param("longest wavelength; empty: from the image's band", low=0)]
 NewWidth = Annotated[
@@ -185,8 +183,6 @@ LightingSource = Annotated[
           "begins below 2.5 µm, else the brightness temperature of the picture's mean",
           low=0, high=1e6, slider=(200, 6500)),
 ]  # fmt: skip
-
-# Read-outs that are one figure of a module's table.
 
 
 def figure_reason(work: Work, table: TableData, *, name: str) -> str:
@@ -227,9 +223,6 @@ class TableFigures:
         return method
 
 
-# Factors of transfer functions for modules: made, passed on, and put out.
-
-
 def separable(
     function: Callable[..., Any],
     *,
@@ -256,9 +249,6 @@ def radial(
     function: Callable[..., Any], *, label: str = "", node: str | None = None, **parameters: Any
 ) -> tuple[Planar, ...]:
     return (Planar(Law.of(function, **parameters), radial=True, label=label, node=node),)
-
-
-# Transfer factors that a picture has gone through already.
 
 
 def passed_factors(image: Image) -> list[Factor]:
@@ -288,9 +278,6 @@ def transfers(factors: Sequence[Factor], image: Image, label: str) -> tuple[Tran
     return mtf, ptf
 
 
-# What a module with an OTF delivers: both halves of the spectrum, and the OTF to look at.
-
-
 class OtfOutputs(NamedTuple):
     magnitude: Magnitude
     phase: Phase
@@ -315,9 +302,6 @@ def otf_outputs(
     if apply == "filter_only":
         return OtfOutputs(magnitude.only(*blur), phase.only(*shift), mtf, ptf)
     return OtfOutputs(magnitude.times(*blur), phase.plus(*shift), mtf, ptf)
-
-
-# The preview of a module that gives a picture: the picture, small, and what it is.
 
 
 class PicturePreview(Module):

@@ -130,9 +130,6 @@ class SamplePixels(Module, key="sample_pixels", title="Sample Pixels", group="Tr
         return 0.5 / interval if interval else None
 
 
-# Averages over a detector's area that a picture has gone through already.
-
-
 def detector_averages(image: Image) -> list[Separable]:
     """The factors of detectors' areas on the way to a picture, the last one first."""
     return [

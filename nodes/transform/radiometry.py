@@ -102,9 +102,6 @@ def _by_rows(
     return made
 
 
-# What To Radiance and To Temperature share: emissivity, surroundings, band.
-
-
 class Radiometry(Module):
     emissivity: float = param(
         1.0, "emissivity of all samples, if no emissivity image is connected", (0, 1), above=True
