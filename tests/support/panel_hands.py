@@ -2,7 +2,7 @@
 
 import gc
 
-from PySide6.QtCore import QCoreApplication, QEvent, QPoint, Qt
+from PySide6.QtCore import QCoreApplication, QEvent, QObject, QPoint, Qt, Signal
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QComboBox, QStyle, QStyleOptionSlider
 
@@ -28,9 +28,22 @@ NUMBERS = [
 LEFT = Qt.MouseButton.LeftButton
 
 
+class NoEvaluator(QObject):
+    """Computes nothing."""
+
+    answered, pass_done = Signal(object), Signal(object)
+    generation, plan = 0, None
+
+    def ask(self, owner, queries):
+        pass
+
+    def forget(self, owner):
+        pass
+
+
 def panel_area(qtbot, session, evaluator=None, width=360):
     """A panel area on the screen."""
-    area = PanelArea(session, evaluator)
+    area = PanelArea(session, evaluator or NoEvaluator(session))
     qtbot.addWidget(area)
     area.resize(width, 700)
     area.show()

@@ -60,7 +60,10 @@ _HOW = "To change the value, drag the line or press ← and →"
 
 class TradeOffView(Viewer):
     def __init__(
-        self, session: Session, evaluator: Evaluator | None, parent: QWidget | None = None
+        self,
+        session: Session,
+        evaluator: Evaluator,
+        parent: QWidget | None = None,
     ) -> None:
         super().__init__(session, evaluator, "tradeoff", parent)
         self.setAccessibleName("Trade-off")

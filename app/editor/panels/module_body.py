@@ -66,7 +66,7 @@ class ModuleBody(QWidget):
         self,
         declaration: Declaration,
         panel_node: PanelNode,
-        evaluator: Evaluator | None,
+        evaluator: Evaluator,
         parent: QWidget | None = None,
     ) -> None:
         super().__init__(parent)
@@ -404,13 +404,12 @@ class ReadoutsView(Viewer):
     """One row for each read-out, faint where it is of the network before the last edit."""
 
     _is_held_back = False
-    _freshness: Freshness | None = None
 
     def __init__(
         self,
         declaration: Declaration,
         node: str,
-        evaluator: Evaluator | None,
+        evaluator: Evaluator,
         session: Session,
         parent: QWidget | None = None,
     ) -> None:
@@ -439,14 +438,12 @@ class ReadoutsView(Viewer):
             value.setAccessibleName(_spoken(readout.name, readout.unit))
         self.title = QLabel(TITLE, self)
         self.title.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
-        if evaluator is not None:
-            self._freshness = Freshness(session, evaluator, self)
-            self._freshness.changed.connect(self._mark)
+        self._freshness = Freshness(session, evaluator, self)
+        self._freshness.changed.connect(self._mark)
 
     @property
     def is_old(self) -> bool:
-        behind = self._freshness is not None and self._freshness.is_old
-        return behind or self._is_held_back
+        return self._freshness.is_old or self._is_held_back
 
     def queries(self) -> tuple[Query, ...]:
         return (self.query,)
@@ -481,8 +478,7 @@ class ReadoutsView(Viewer):
             if unit != label.text():  # that of the picture that comes in
                 label.setText(unit)
                 value.setAccessibleName(_spoken(name, unit))
-        if self._freshness is not None:
-            self._freshness.catch_up(answer.generation)
+        self._freshness.catch_up(answer.generation)
 
 
 def _spoken(name: str, unit: str) -> str:

@@ -66,7 +66,7 @@ class PanelArea(WheelScrollArea):
     illustrations_changed = Signal(object)  # (illustrations)
 
     def __init__(
-        self, session: Session, evaluator: Evaluator | None, parent: QWidget | None = None
+        self, session: Session, evaluator: Evaluator, parent: QWidget | None = None
     ) -> None:
         super().__init__(parent)
         labelled(self, "panels", "control panels")
@@ -322,7 +322,7 @@ class NodePanel(QFrame):
     def __init__(
         self,
         of: PanelNode,
-        evaluator: Evaluator | None,
+        evaluator: Evaluator,
         parent: QWidget | None = None,
         sets_folder: Path | None = None,
         *,

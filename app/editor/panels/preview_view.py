@@ -125,7 +125,7 @@ class PreviewView(Viewer):
     def __init__(
         self,
         session: Session,
-        evaluator: Evaluator | None,
+        evaluator: Evaluator,
         node: str,
         parent: QWidget | None = None,
     ) -> None:

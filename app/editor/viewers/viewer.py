@@ -13,19 +13,18 @@ from app.editor.evaluation.queries import Answer, Query
 from app.editor.messages import Mark, close_button
 from app.editor.session import Session
 from app.editor.theme import ERROR, TEXT, Theme, theme_of
-from app.editor.widgets import ElidedLabel
+from app.editor.widgets import ElidedLabel, filled
 from core.modules.declaration import Library
 from core.network.macro import declared_node
 from core.network.network import Network, Node, passed_through
-from core.records import dataclass, replace
+from core.records import replace
 
 
 class Viewer(QWidget):
     """A widget that shows answers.
 
     Subclasses return their queries in `queries` and show the answers in `take`; they call `ask`
-    when the queries change. Without an evaluator nothing is shown. The owner is the viewer's name,
-    unique in the window.
+    when the queries change. The owner is the viewer's name, unique in the window.
     """
 
     posted = Signal()  # its queries have been posted: it may show something else
@@ -33,7 +32,7 @@ class Viewer(QWidget):
     def __init__(
         self,
         session: Session,
-        evaluator: Evaluator | None,
+        evaluator: Evaluator,
         owner: str,
         parent: QWidget | None = None,
     ) -> None:
@@ -44,8 +43,7 @@ class Viewer(QWidget):
         self.owner = owner
         self._active = False
         self._posted: tuple[Query, ...] = ()
-        if evaluator is not None:
-            evaluator.answered.connect(self._answered)
+        evaluator.answered.connect(self._answered)
         session.changed.connect(self.follow)
         session.opened.connect(self.follow_opening)
 
@@ -74,8 +72,7 @@ class Viewer(QWidget):
         if not self._active:
             return
         self._posted = tuple(self.queries())
-        if self.evaluator is not None:
-            self.evaluator.ask(self.owner, self._posted)
+        self.evaluator.ask(self.owner, self._posted)
         self.posted.emit()
 
     def showEvent(self, event: QShowEvent) -> None:
@@ -88,15 +85,11 @@ class Viewer(QWidget):
         if self._active:
             self._active = False
             self._posted = ()
-            if self.evaluator is not None:
-                self.evaluator.forget(self.owner)
+            self.evaluator.forget(self.owner)
 
     def _answered(self, answer: Any) -> None:
         if answer.owner == self.owner and self._active and self.accepts(answer.query):
             self.take(answer)
-
-
-# The line below what a viewer shows: two texts; the first one may say what went wrong.
 
 
 class StatusLine(QWidget):
@@ -110,12 +103,8 @@ class StatusLine(QWidget):
         self.more = ElidedLabel(f"{owner}.read", more, self)
         self.away = close_button(f"{owner}.close", self)
         self.away.clicked.connect(lambda: self.show_text(""))
-        layout = QHBoxLayout(self)
-        layout.setContentsMargins(6, 0, 6, 2)
-        layout.addWidget(self.mark)
-        layout.addWidget(self.title, 1)
-        layout.addWidget(self.away)
-        layout.addWidget(self.more, 0)
+        parts = (self.mark, (self.title, 1), self.away, self.more)
+        filled(QHBoxLayout(self), *parts, margins=(6, 0, 6, 2))
         self.show_text("")
 
     def show_text(self, text: str, *, failed: bool = False) -> None:
@@ -138,18 +127,11 @@ VIEWER_NUMBERS = tuple(range(1, 10))
 """Of the viewers of pictures there may be."""
 
 
-@dataclass(frozen=True)
-class NodePorts:
-    node: str
-    title: str
-    ports: tuple[str, ...]
-
-
 def ports_by_node(
     network: Network, library: Library, types: Collection[str]
-) -> tuple[NodePorts, ...]:
+) -> dict[str, tuple[str, ...]]:
     """Outputs of these types by node, in order; of a disabled node what it passes on."""
-    node_ports = []
+    by_node = {}
     for node in network.nodes.values():
         declared = declared_node(node, library)
         if declared is None:
@@ -161,8 +143,8 @@ def ports_by_node(
             if port.types[0] in types and (port.name in through or not node.disabled)
         )
         if ports:
-            node_ports.append(NodePorts(node.id, declared.title, ports))
-    return tuple(node_ports)
+            by_node[node.id] = ports
+    return by_node
 
 
 def ports_depend_on(network: Network) -> Hashable:
@@ -189,8 +171,6 @@ def followed(port: str, before: Network, after: Network) -> str | None:
 def _alike(old: Node, new: Node) -> bool:
     return replace(old, id=new.id, noise=new.noise) == new
 
-
-# A list of what the nodes of a network have, to choose from, by node.
 
 VALUE = Qt.ItemDataRole.UserRole
 
@@ -259,10 +239,9 @@ def entry(text: str, value: str, tooltip: str = "") -> QStandardItem:
     return item
 
 
-# The choice of a wire: every output of the network that can be shown, by node.
-
-
 class PortChoice(NodeChoice):
+    """Every output of the network that can be shown, by node."""
+
     chosen = Signal(str)  # port: the person has chosen a port; an empty text is none
 
     def __init__(
@@ -282,8 +261,11 @@ class PortChoice(NodeChoice):
         self.show_value(port or "")
 
     def groups(self) -> Iterable[tuple[str, Sequence[QStandardItem]]]:
-        for group in ports_by_node(self.session.network, self.session.library, self._types):
-            yield titled(group.node, group.title), [entry(port, port) for port in group.ports]
+        by_node = ports_by_node(self.session.network, self.session.library, self._types)
+        for node, ports in by_node.items():
+            declared = self.session.declared(node)
+            title = titled(node, declared.title) if declared is not None else node
+            yield title, [entry(port, port) for port in ports]
 
     def take(self, value: str | None) -> None:
         if value is not None:

@@ -78,7 +78,7 @@ class ImageViewer(Viewer):
     def __init__(
         self,
         session: Session,
-        evaluator: Evaluator | None,
+        evaluator: Evaluator,
         number: int,
         parent: QWidget | None = None,
     ) -> None:
@@ -184,11 +184,8 @@ class ImageViewer(Viewer):
 
     def copy_histogram(self) -> None:
         if self.picture is not None:
-            spread, unit = self.picture.spread, self.picture.facts.unit
-            columns = [
-                (unit or "value", spread.centres.tolist()),
-                ("samples", spread.counts.tolist()),
-            ]
+            spread, name = self.picture.spread, self.picture.facts.unit or "value"
+            columns = [(name, spread.centres.tolist()), ("samples", spread.counts.tolist())]
             QApplication.clipboard().setText(columns_text(columns))
 
     def queries(self) -> tuple[Query, ...]:
@@ -247,8 +244,8 @@ class ImageViewer(Viewer):
             self._follow_choices()
 
     def _upstream(self, port: str, before: Network, after: Network) -> str:
-        groups = ports_by_node(after, self.session.library, PICTURE_TYPES[:1])
-        pictures = {port for group in groups for port in group.ports}
+        by_node = ports_by_node(after, self.session.library, PICTURE_TYPES[:1])
+        pictures = {port for ports in by_node.values() for port in ports}
         wanted = [port.rpartition(".")[0]] if port else []
         for name in wanted:
             sources = [f"{link.source}.{link.output}" for link in before.links_into(name)]
@@ -471,10 +468,11 @@ class ImageViewer(Viewer):
 
     def _fill_menus(self) -> None:
         compare = self.bar.compare
-        groups = ports_by_node(self.session.network, self.session.library, PICTURE_TYPES)
-        compare.fill_others(groups, self.choices.other)
-        linked = {viewer.number: viewer in self.linked for viewer in neighbours(self)}
-        compare.fill_links(linked)
+        by_node = ports_by_node(self.session.network, self.session.library, PICTURE_TYPES)
+        others = {port: port for ports in by_node.values() for port in ports}
+        compare.fill(compare.others, others, {self.choices.other})
+        names = {f"Viewer {viewer.number}": viewer.number for viewer in neighbours(self)}
+        compare.fill(compare.links, names, {viewer.number for viewer in self.linked})
 
 
 def neighbours(viewer: ImageViewer) -> list[ImageViewer]:

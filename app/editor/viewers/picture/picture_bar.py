@@ -1,7 +1,7 @@
 """The controls above a picture, and its histogram with the levels."""
 
 import sys
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Mapping
 from functools import partial
 from itertools import zip_longest
 from typing import Any
@@ -25,7 +25,7 @@ from app.editor.viewers.picture.picture_facts import (
     colour_map,
 )
 from app.editor.viewers.plot.plot_looks import paint_axis, see_through
-from app.editor.viewers.viewer import PICTURE_TYPES, NodePorts, PortChoice
+from app.editor.viewers.viewer import PICTURE_TYPES, PortChoice
 from app.editor.widgets import ElidedLabel, Menu, filled, labelled, menu_button, tool_button
 from core.chain.band_stack import BandStack
 from core.records import replace
@@ -131,15 +131,7 @@ class CompareMenu(QObject):
         self.links.setObjectName("links")
         self.links.triggered.connect(lambda one: self.linked.emit(one.data(), one.isChecked()))
 
-    def fill_others(self, groups: Iterable[NodePorts], chosen: str | None) -> None:
-        self._fill(self.others, {port: port for group in groups for port in group.ports}, {chosen})
-
-    def fill_links(self, viewers: Mapping[int, bool]) -> None:
-        names = {f"Viewer {number}": number for number in viewers}
-        self._fill(self.links, names, {number for number in viewers if viewers[number]})
-
-    @staticmethod
-    def _fill(menu: QMenu, entries: Mapping[str, object], ticked: Collection[object]) -> None:
+    def fill(self, menu: QMenu, entries: Mapping[str, object], ticked: Collection[object]) -> None:
         menu.clear()
         for text, data in entries.items():
             action = menu.addAction(text.replace("&", "&&"))

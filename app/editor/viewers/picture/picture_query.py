@@ -514,7 +514,7 @@ def other_probe(picture: Picture, other: Picture, row: int, column: int) -> Prob
     return sample
 
 
-def place_text(picture: Picture, sample: Probe) -> str:
+def _place_text(picture: Picture, sample: Probe) -> str:
     facts = picture.facts
     x, y = facts.across.at(sample.column), facts.along.at(sample.row)
     if facts.kind == "plane":
@@ -524,7 +524,7 @@ def place_text(picture: Picture, sample: Probe) -> str:
     return text.replace("-", "\N{MINUS SIGN}")
 
 
-def value_text(picture: Picture, sample: Probe) -> str:
+def _value_text(picture: Picture, sample: Probe) -> str:
     values = "  ".join(
         f"{name} {value:.5g}" for name, value in zip("RGB", sample.colours, strict=False)
     )
@@ -536,10 +536,7 @@ def value_text(picture: Picture, sample: Probe) -> str:
 
 def probe_text(picture: Picture, sample: Probe) -> str:
     """Where, what, and how warm it seems."""
-    return f"{place_text(picture, sample)}:  {value_text(picture, sample)}"
-
-
-# Texts of an image viewer: what is shown, and the sample under the cursor.
+    return f"{_place_text(picture, sample)}:  {_value_text(picture, sample)}"
 
 
 def facts_text(picture: Picture, query: PictureQuery, kept: str = "", way: str = "") -> str:
@@ -586,9 +583,9 @@ def sample_text(
         return probe_text(picture, sample)
     other = other_probe(picture, picture.other, *place)
     if not kept:
-        return f"{probe_text(picture, sample)}  |  {value_text(picture.other, other)}"
-    text = f"{place_text(picture, sample)}:  A {value_text(picture.other, other)}"
-    text += f"  |  B {value_text(picture, sample)}"
+        return f"{probe_text(picture, sample)}  |  {_value_text(picture.other, other)}"
+    text = f"{_place_text(picture, sample)}:  A {_value_text(picture.other, other)}"
+    text += f"  |  B {_value_text(picture, sample)}"
     if sample.temperature_K is not None and other.temperature_K is not None:
         difference_K = sample.temperature_K - other.temperature_K
         text += f"  |  B \N{MINUS SIGN} A {difference_K:+.3f} K".replace("-", "\N{MINUS SIGN}")

@@ -96,7 +96,7 @@ class RegionTool(QObject):
     def __init__(
         self,
         session: Session,
-        evaluator: Evaluator | None,
+        evaluator: Evaluator,
         canvas: PictureCanvas,
         button: QToolButton,
     ) -> None:
@@ -119,8 +119,7 @@ class RegionTool(QObject):
         button.clicked.connect(self.look_for)
         for signal in (session.changed, session.selection_changed, session.opened):
             signal.connect(self.follow)
-        if evaluator is not None:
-            evaluator.pass_done.connect(self.follow)
+        evaluator.pass_done.connect(self.follow)
         self._having: dict[str, bool] = {}  # by module
         self._recolour()
         self.follow()
@@ -195,7 +194,7 @@ class RegionTool(QObject):
         return None
 
     def _size(self, port: str | None) -> Size | None:
-        plan = self._evaluator.plan if self._evaluator is not None else None
+        plan = self._evaluator.plan
         if plan is None or port is None:
             return None
         try:

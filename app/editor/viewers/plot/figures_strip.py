@@ -30,7 +30,7 @@ class FiguresStrip(Viewer):
     """Read-outs of the sensor before the final picture, and the time since the last change."""
 
     def __init__(
-        self, session: Session, evaluator: Evaluator | None, parent: QWidget | None = None
+        self, session: Session, evaluator: Evaluator, parent: QWidget | None = None
     ) -> None:
         super().__init__(session, evaluator, "figures_strip", parent)
         self.setAccessibleName("Sensor figures")
@@ -42,11 +42,9 @@ class FiguresStrip(Viewer):
             self._add(name, caption)
         self._name_slots(ELECTRONICS_FIGURES)
         session.selection_changed.connect(self.ask)
-        self._freshness: Freshness | None = None
-        if evaluator is not None:
-            evaluator.pass_done.connect(self._pass_done)
-            self._freshness = Freshness(session, evaluator, self)
-            self._freshness.changed.connect(self._mark)
+        evaluator.pass_done.connect(self._pass_done)
+        self._freshness = Freshness(session, evaluator, self)
+        self._freshness.changed.connect(self._mark)
         self._show(None)
         self.label(RUN_TIME).show_text(NONE)
 
@@ -65,9 +63,9 @@ class FiguresStrip(Viewer):
 
     def _mark(self, _old: bool = False) -> None:
         # In words the status bar says it: captions that grow would move the figures.
-        old = self._freshness is not None and self._freshness.is_old
+        role = FAINT if self._freshness.is_old else TEXT
         for name in self._names:
-            self.label(name).setForegroundRole(FAINT if old else TEXT)
+            self.label(name).setForegroundRole(role)
 
     def queries(self) -> tuple[Query, ...]:
         """The figures of the node selected, if it has such figures, else of the last one."""
@@ -75,8 +73,7 @@ class FiguresStrip(Viewer):
 
     def take(self, answer: Answer) -> None:
         self._show(answer.value, "" if answer.error is None else str(answer.error))
-        if self._freshness is not None:
-            self._freshness.catch_up(answer.generation)
+        self._freshness.catch_up(answer.generation)
 
     def follow_opening(self) -> None:
         self._show(None)

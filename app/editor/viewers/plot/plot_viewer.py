@@ -76,7 +76,7 @@ class PlotViewer(Viewer):
     """Plots the chain, or curves or the table of a port, of the selected node unless pinned."""
 
     def __init__(
-        self, session: Session, evaluator: Evaluator | None, parent: QWidget | None = None
+        self, session: Session, evaluator: Evaluator, parent: QWidget | None = None
     ) -> None:
         super().__init__(session, evaluator, "plot_viewer", parent)
         self.setAccessibleName("Plot viewer")
@@ -108,8 +108,7 @@ class PlotViewer(Viewer):
         if declared is None:
             return
         outputs = {f"{name}.{port.name}": port.types[0] for port in declared.outputs}
-        groups = ports_by_node(self.session.network, self.session.library, PLOT_TYPES)
-        own = next((group.ports for group in groups if group.node == name), ())
+        own = ports_by_node(self.session.network, self.session.library, PLOT_TYPES).get(name, ())
         curves = [port for port in own if outputs[port] == "curve"]
         before, self._node = self._node, name
         if curves or "transfer" in outputs.values() or own:
@@ -484,8 +483,8 @@ class OutputButtons(QWidget):
         self._row = filled(QHBoxLayout(self), spacing=1)
 
     def show_port(self, port: str | None) -> None:
-        groups = ports_by_node(self._session.network, self._session.library, PLOT_TYPES)
-        ports = next((group.ports for group in groups if port in group.ports), ())
+        by_node = ports_by_node(self._session.network, self._session.library, PLOT_TYPES)
+        ports = by_node.get((port or "").rpartition(".")[0], ())
         ports = ports if len(ports) > 1 else ()
         if ports != tuple(self.buttons):
             for button in self.buttons.values():

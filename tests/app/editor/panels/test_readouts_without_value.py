@@ -8,10 +8,11 @@ from core.errors import DataError
 from core.modules.declaration import declaration
 from focal_plane_bench import CAMERA_SHEET, focal_plane_bench
 from nodes.detector.focal_plane import FocalPlane
+from panel_hands import NoEvaluator
 
 
 def test_the_reason_stands_in_tooltip_and_description(qtbot, session, tmp_path):
-    view = ReadoutsView(declaration(FocalPlane), "it", None, session)
+    view = ReadoutsView(declaration(FocalPlane), "it", NoEvaluator(session), session)
     qtbot.addWidget(view)
     netd = view.values["netd_K"]
 
