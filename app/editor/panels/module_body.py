@@ -35,8 +35,7 @@ from app.editor.panels.fields.field import (
     choices_of,
 )
 from app.editor.panels.fields.field_menu import offer
-from app.editor.panels.fields.number import NumberField
-from app.editor.panels.fields.path import PathField
+from app.editor.panels.fields.number import NumberField, PathField
 from app.editor.session import Session
 from app.editor.theme import CHANGED, FAINT, TEXT, set_ink, theme_of
 from app.editor.viewers.viewer import PLOT_TYPES, VIEWER_NUMBERS, Viewer
@@ -289,7 +288,7 @@ class SectionsView(QWidget):
             case "choice":
                 return ListField(parameter, node, box)
             case "path":
-                return PathField(parameter, node, box, writes=self._declaration.sink)
+                return PathField(parameter, node, box)
             case "numbers":
                 return NumbersField(parameter, node, box)
             case "text":

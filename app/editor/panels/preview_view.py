@@ -123,11 +123,7 @@ class PreviewView(Viewer):
     """Draws the preview of a node; what is wrong with the node stands beside it."""
 
     def __init__(
-        self,
-        session: Session,
-        evaluator: Evaluator,
-        node: str,
-        parent: QWidget | None = None,
+        self, session: Session, evaluator: Evaluator, node: str, parent: QWidget | None = None
     ) -> None:
         super().__init__(session, evaluator, f"panel.preview.{id(self):x}", parent)
         self.setObjectName("preview")

@@ -30,11 +30,7 @@ class Viewer(QWidget):
     posted = Signal()  # its queries have been posted: it may show something else
 
     def __init__(
-        self,
-        session: Session,
-        evaluator: Evaluator,
-        owner: str,
-        parent: QWidget | None = None,
+        self, session: Session, evaluator: Evaluator, owner: str, parent: QWidget | None = None
     ) -> None:
         super().__init__(parent)
         self.setObjectName(owner)

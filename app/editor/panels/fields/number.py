@@ -1,21 +1,23 @@
-"""Fields for numbers: type-in and slider."""
+"""Fields for numbers, with a slider, and for names of files."""
 
 import math
 import re
 from collections.abc import Mapping
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 from PySide6.QtCore import QEvent, QSignalBlocker, QStringListModel, Qt, QTimer, Signal
 from PySide6.QtGui import QFocusEvent, QHideEvent, QKeyEvent, QMouseEvent, QWheelEvent
-from PySide6.QtWidgets import QCompleter, QMenu, QSlider, QWidget
+from PySide6.QtWidgets import QCompleter, QFileDialog, QMenu, QSlider, QWidget
 
 from app.editor.declared_text import about, placeholder_of, shown_number, tip, typed_number
+from app.editor.messages import FileDialog
 from app.editor.panels.fields.field import TypedField
 from app.editor.panels.fields.field_menu import offer
-from app.editor.panels.fields.type_in import step_factor
+from app.editor.panels.fields.type_in import STEPS, step_factor
 from app.editor.theme import CHANGED
-from app.editor.widgets import filled, is_escape, plain_label, takes_wheel
+from app.editor.widgets import filled, is_escape, labelled, plain_label, takes_wheel, tool_button
 from core.editing.operations import set_parameter
 from core.errors import ParameterError, thaw
 from core.modules.parameters import Parameter
@@ -231,14 +233,7 @@ def _last_word(text: str) -> str:
 # A slider that signals what a person does with it, and shows values without signals.
 
 _BEGINS = "0123456789.-="
-_STEPS = {
-    Qt.Key.Key_Right: 1,
-    Qt.Key.Key_Up: 1,
-    Qt.Key.Key_Left: -1,
-    Qt.Key.Key_Down: -1,
-    Qt.Key.Key_PageUp: 10,
-    Qt.Key.Key_PageDown: -10,
-}
+_STEPS = {**STEPS, Qt.Key.Key_Right: 1, Qt.Key.Key_Left: -1}
 
 
 class Slider(QSlider):
@@ -464,3 +459,61 @@ def _range(parameter: Parameter, whole: bool) -> tuple[float, float]:
 
 def _decimals(step: float) -> int:
     return max(0, math.ceil(-math.log10(step)))
+
+
+# A field for a file name.
+
+
+class PathField(TypedField):
+    """A line, and a button that opens a dialog; the line's tooltip is the whole name."""
+
+    def build(self) -> None:
+        declared = self.node.session.declared(self.node.name)
+        self._writes = declared is not None and declared.sink
+        edit = self.build_edit()
+        edit.setPlaceholderText("no file")
+        self.browse = tool_button("", "Browse…", "", self)
+        self.named(self.browse, ": browse", "browse")
+        self.browse.clicked.connect(self.open_dialog)
+        filled(self.row, self.label, (edit, 1), self.browse)
+        self.unit.hide()
+
+    def show_value(self, value: Any) -> None:
+        self.edit.show_text("" if value is None else Path(value).as_posix())
+        self.edit.end(False)  # the file's own name is seen, however long its folder
+        whole = "" if value is None else (self.node.session.folder.absolute() / value).as_posix()
+        self.edit.setToolTip(tip(f"{whole}\n{about(self.parameter)}") if whole else "")
+
+    def open_dialog(self) -> None:
+        for other in self.findChildren(QFileDialog, "field.dialog"):
+            other.reject()
+        title = f"{'Write' if self._writes else 'Open'} file: {self.node.name} · {self.title}"
+        dialog = labelled(FileDialog(self, title), "field.dialog")
+        dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        dialog.setOption(QFileDialog.Option.DontConfirmOverwrite)  # nothing is written by choosing
+        if self._writes:
+            dialog.setAcceptMode(QFileDialog.AcceptMode.AcceptSave)
+            dialog.setFileMode(QFileDialog.FileMode.AnyFile)
+        else:
+            dialog.setFileMode(QFileDialog.FileMode.ExistingFile)
+        folder = self.node.session.folder.absolute()
+        if self.value is not None:
+            folder = (folder / self.value).parent
+        dialog.setDirectory(str(folder))
+        dialog.fileSelected.connect(self._chosen)
+        dialog.show()  # what is modal would keep the window from closing
+        dialog.activateWindow()
+
+    def _chosen(self, name: str) -> None:
+        if name:
+            if self._writes:
+                self.node.session.choose_output(Path(name))
+            self.offer(self.relative(Path(name)))
+
+    def relative(self, path: Path) -> str:
+        """The name from the network's folder where the file lies below it, else all of it."""
+        if self.node.session.document.path is not None:
+            folder = self.node.session.folder.resolve()
+            if path.resolve().is_relative_to(folder):
+                return path.resolve().relative_to(folder).as_posix()
+        return path.as_posix()

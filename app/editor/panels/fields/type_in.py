@@ -17,8 +17,8 @@ from PySide6.QtWidgets import QCompleter, QLabel, QLineEdit, QWidget
 from app.editor.theme import ERROR
 from app.editor.widgets import is_escape
 
-_STEPS = {Qt.Key.Key_Up: 1, Qt.Key.Key_Down: -1, Qt.Key.Key_PageUp: 10, Qt.Key.Key_PageDown: -10}
-_OF_LIST = {*_STEPS, Qt.Key.Key_Return, Qt.Key.Key_Enter, Qt.Key.Key_Tab, Qt.Key.Key_Escape}
+STEPS = {Qt.Key.Key_Up: 1, Qt.Key.Key_Down: -1, Qt.Key.Key_PageUp: 10, Qt.Key.Key_PageDown: -10}
+_OF_LIST = {*STEPS, Qt.Key.Key_Return, Qt.Key.Key_Enter, Qt.Key.Key_Tab, Qt.Key.Key_Escape}
 FINER, COARSER = 0.1, 10.0
 _UNDO, _REDO = QKeySequence.StandardKey.Undo, QKeySequence.StandardKey.Redo
 
@@ -99,15 +99,15 @@ class TypeIn(QLineEdit):
             event.ignore()  # Qt gives it to the list
         elif event.key() == Qt.Key.Key_Escape and self.unsettled:
             self.give_up()
-        elif self._steps and event.key() in _STEPS:
+        elif self._steps and event.key() in STEPS:
             self.commit()
-            self.stepped.emit(_STEPS[Qt.Key(event.key())] * step_factor(event.modifiers()))
+            self.stepped.emit(STEPS[Qt.Key(event.key())] * step_factor(event.modifiers()))
         else:
             super().keyPressEvent(event)
 
     def keyReleaseEvent(self, event: QKeyEvent) -> None:
         super().keyReleaseEvent(event)
-        if self._steps and event.key() in _STEPS and not event.isAutoRepeat():
+        if self._steps and event.key() in STEPS and not event.isAutoRepeat():
             self.step_ended.emit()
 
     def wheelEvent(self, event: QWheelEvent) -> None:

@@ -76,11 +76,7 @@ class ImageViewer(Viewer):
     """Shows one wire, or two compared, or one as it is beside what was kept of it."""
 
     def __init__(
-        self,
-        session: Session,
-        evaluator: Evaluator,
-        number: int,
-        parent: QWidget | None = None,
+        self, session: Session, evaluator: Evaluator, number: int, parent: QWidget | None = None
     ) -> None:
         super().__init__(session, evaluator, f"image_viewer.{number}", parent)
         self.number = number

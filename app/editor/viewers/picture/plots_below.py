@@ -176,7 +176,6 @@ class Spectra(PlotBelow):
         self._centres = np.zeros(0)
         self._range: tuple[float, float] | None = None
         self.names = [MEAN, ""]
-        self._theme: Theme | None = None
 
     def set_theme(self, theme: Theme) -> None:
         super().set_theme(theme)
@@ -232,15 +231,12 @@ class Spectra(PlotBelow):
             self._write_names()
 
     def _write_names(self) -> None:
-        if self._theme is not None:
-            colours = (self._theme.faint_text, self._theme.accent)
-            names = ", ".join(map(coloured, filter(None, self.names), colours))
-            self.setLabel("bottom", f"wavelength (µm): {names}")
+        colours = (self._theme.faint_text, self._theme.accent)
+        names = ", ".join(map(coloured, filter(None, self.names), colours))
+        self.setLabel("bottom", f"wavelength (µm): {names}")
 
     def _put_lines(self) -> None:
         theme, shown = self._theme, self._wavelengths
-        if theme is None:
-            return
         for number, line in enumerate(self.lines):
             line.setVisible(number < len(shown))
             colour = theme.channels[number] if len(shown) == 3 else theme.changed

@@ -94,11 +94,7 @@ class RegionTool(QObject):
     picture_wanted = Signal(str)  # port: the viewer is to show that picture
 
     def __init__(
-        self,
-        session: Session,
-        evaluator: Evaluator,
-        canvas: PictureCanvas,
-        button: QToolButton,
+        self, session: Session, evaluator: Evaluator, canvas: PictureCanvas, button: QToolButton
     ) -> None:
         super().__init__(canvas)
         self._session = session
