@@ -7,21 +7,13 @@ from PySide6.QtCore import QEvent, QObject, Qt, QTimer, Signal
 from PySide6.QtGui import QAction, QGuiApplication
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QToolButton, QVBoxLayout, QWidget
 
+from app.editor import widgets
 from app.editor.declared_text import flowing, says_more, tip
 from app.editor.evaluation.queries import Badge
 from app.editor.panels.fields.type_in import TypeIn
 from app.editor.panels.preview_view import PreviewView
 from app.editor.theme import ERROR, FAINT, set_ground, set_ink, theme_of
 from app.editor.widgets import (
-    ElidedLabel,
-    FlowLayout,
-    filled,
-    labelled,
-    make_bold,
-    plain_label,
-    show_or_hide,
-    toggle_button,
-    tool_button,
     without_argument,
 )
 from core.network.network import Node
@@ -38,23 +30,25 @@ class TitleBar(QWidget):
 
     def __init__(self, title: str, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self.row = filled(QHBoxLayout(self), margins=(4, 3, 4, 3), spacing=2)
+        self.row = widgets.filled(QHBoxLayout(self), margins=(4, 3, 4, 3), spacing=2)
         self.fold = self.add_button(
             "fold", "", "fold the panel", "Hide or show the contents of this panel"
         )
         self.fold.setCheckable(True)
         self.fold.setArrowType(Qt.ArrowType.DownArrow)
         self.fold.toggled.connect(self._fold)
-        self.title = ElidedLabel("title", "Title of this panel", self)
+        self.title = widgets.ElidedLabel("title", "Title of this panel", self)
         self.title.show_text(title)
-        make_bold(self.title)
-        filled(self.row, self.title, None, margins=None)
+        widgets.make_bold(self.title)
+        widgets.filled(self.row, self.title, None, margins=None)
         self.setContextMenuPolicy(Qt.ContextMenuPolicy.ActionsContextMenu)
 
     def add_button(
         self, name: str, text: str, about: str, tooltip: str = "", *, checkable: bool = False
     ) -> QToolButton:
-        button = (toggle_button if checkable else tool_button)(name, text, about, self)
+        button = (widgets.toggle_button if checkable else widgets.tool_button)(
+            name, text, about, self
+        )
         button.setAutoRaise(True)
         button.setToolTip(tip(tooltip or about))
         self.row.addWidget(button)
@@ -91,7 +85,7 @@ class PanelHead(QWidget):
         self._released = QTimer(self, singleShot=True, interval=_CLICK_MS)
         self._released.timeout.connect(self._fit)
         self.bar = bar = TitleBar(title, self)
-        self.name = labelled(TypeIn(bar, characters=10), "node_name", "name of the node")
+        self.name = widgets.labelled(TypeIn(bar, characters=10), "node_name", "name of the node")
         self.name.setToolTip(tip("Name of the node in this network"))
         bar.row.insertWidget(1, self.name, 3)
         self.pin = bar.add_button(
@@ -102,10 +96,10 @@ class PanelHead(QWidget):
         self.help = bar.add_button("help", "?", "What this module does", checkable=True)
         self.help.setVisible(bool(text))
         self.close_button = bar.add_button("close", "×", "Close this panel")
-        self.text = plain_label("module_text", self, flowing(text), role=FAINT)
+        self.text = widgets.plain_label("module_text", self, flowing(text), role=FAINT)
         self.text.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
         self.more = QLabel('<a href="handbook">More in the handbook</a>', self)
-        labelled(self.more, "module_more", "More in the handbook")
+        widgets.labelled(self.more, "module_more", "More in the handbook")
         self.more.setTextInteractionFlags(
             Qt.TextInteractionFlag.LinksAccessibleByMouse
             | Qt.TextInteractionFlag.LinksAccessibleByKeyboard
@@ -114,39 +108,39 @@ class PanelHead(QWidget):
             part.hide()
             self.help.toggled.connect(part.setVisible)
         self.below = below = QWidget(self)
-        self.name_problem = plain_label("name_problem", below, role=ERROR)
+        self.name_problem = widgets.plain_label("name_problem", below, role=ERROR)
         self.name_problem.hide()
         about = (
             "Auto-Generate: compute after each change; if unticked, the node keeps its result "
             "until you choose Generate Image"
         )
-        self.auto = self._act(toggle_button, "Auto", "Auto-Generate", about)
+        self.auto = self._act(widgets.toggle_button, "Auto", "Auto-Generate", about)
         about = "Generate Image: compute everything now, including nodes that are not updated"
-        self.generate = self._act(tool_button, "Generate", "Generate Image", about)
+        self.generate = self._act(widgets.tool_button, "Generate", "Generate Image", about)
         self.disable = self._act(
-            toggle_button, "Disable", "Disable", "Pass the input through unchanged"
+            widgets.toggle_button, "Disable", "Disable", "Pass the input through unchanged"
         )
         about = "Make this node's picture the output of the network (O)"
-        self.output = self._act(toggle_button, "Output", "Output", about)
+        self.output = self._act(widgets.toggle_button, "Output", "Output", about)
         about = "Hide or show the illustration on all panels of this module"
-        self.fold_picture = self._act(tool_button, "", "fold the illustration", about)
+        self.fold_picture = self._act(widgets.tool_button, "", "fold the illustration", about)
         self.fold_picture.setObjectName("fold_illustration")
         self.fold_picture.setCheckable(True)
         self.fold_picture.setAutoRaise(True)
         self.fold_picture.hide()
         acts = (self.auto, self.generate, self.disable, self.output, self.fold_picture)
-        buttons = filled(FlowLayout(across=4), *acts, margins=None)
+        buttons = widgets.filled(widgets.FlowLayout(across=4), *acts, margins=None)
         self.place = QWidget(below)
-        self.problem = labelled(
-            plain_label("problem", self.place), "problem", "Problem with the node"
+        self.problem = widgets.labelled(
+            widgets.plain_label("problem", self.place), "problem", "Problem with the node"
         )
         self.problem.setAlignment(Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignTop)
         self.problem.hide()
         self.place.installEventFilter(self)
-        self._stack = filled(QVBoxLayout(self.place), self.problem, spacing=2)
+        self._stack = widgets.filled(QVBoxLayout(self.place), self.problem, spacing=2)
         parts = (self.text, self.more, self.name_problem, buttons, self.place)
-        filled(QVBoxLayout(below), *parts, margins=(8, 2, 8, 0), spacing=4)
-        filled(QVBoxLayout(self), bar, below, spacing=2)
+        widgets.filled(QVBoxLayout(below), *parts, margins=(8, 2, 8, 0), spacing=4)
+        widgets.filled(QVBoxLayout(self), bar, below, spacing=2)
         self._fit()
         self._colour()
 
@@ -205,7 +199,7 @@ class PanelHead(QWidget):
         self.pin.setChecked(node.extra.get("pinned") is True)
 
     def show_name_error(self, text: str) -> None:
-        show_or_hide(self.name_problem, text)
+        widgets.show_or_hide(self.name_problem, text)
         if text:
             self.name.mark()
 
@@ -214,7 +208,7 @@ class PanelHead(QWidget):
             return
         self._badge = badge
         text = badge.text if badge is not None else ""
-        show_or_hide(self.problem, text.replace("\n", " · "))
+        widgets.show_or_hide(self.problem, text.replace("\n", " · "))
         self.problem.setToolTip(tip(text) if text else "")
         self._fit()
         self._colour()

@@ -19,6 +19,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from app.editor import widgets
 from app.editor.declared_text import label_of, shown_figure, tip
 from app.editor.evaluation.evaluator import Evaluator, Freshness
 from app.editor.evaluation.queries import Answer, Passing, Query
@@ -40,14 +41,6 @@ from app.editor.session import Session
 from app.editor.theme import CHANGED, FAINT, TEXT, set_ink, theme_of
 from app.editor.viewers.viewer import PLOT_TYPES, VIEWER_NUMBERS, Viewer
 from app.editor.widgets import (
-    RIGHT,
-    Menu,
-    PageTabs,
-    filled,
-    labelled,
-    make_bold,
-    plain_label,
-    tool_button,
     without_argument,
 )
 from core.chain.engine import Plan
@@ -77,7 +70,9 @@ class ModuleBody(QWidget):
         self.sections = SectionsView(declaration, panel_node, self)
         session.free.changed.connect(self._mark_free)
         self._mark_free()
-        self._column = filled(QVBoxLayout(self), self.sections, margins=(8, 4, 8, 8), spacing=4)
+        self._column = widgets.filled(
+            QVBoxLayout(self), self.sections, margins=(8, 4, 8, 8), spacing=4
+        )
         self.readouts = ReadoutsView(declaration, node, evaluator, session, self)
         if declaration.readouts:
             self._titled(self.readouts.title, self.readouts)
@@ -99,7 +94,7 @@ class ModuleBody(QWidget):
 
     def _titled(self, title: QLabel, widget: QWidget) -> None:
         line = QFrame(self, frameShape=QFrame.Shape.HLine, frameShadow=QFrame.Shadow.Sunken)
-        make_bold(title)
+        widgets.make_bold(title)
         title.setForegroundRole(FAINT)
         for part in (line, title, widget):
             self._column.addWidget(part)
@@ -134,13 +129,13 @@ class PortsView(QWidget):
         self._colour()
 
     def _add(self, side: str, port: Port) -> QLabel:
-        dot, label = QLabel("●", self), plain_label("", self, port.name)
+        dot, label = QLabel("●", self), widgets.plain_label("", self, port.name)
         self._dots.append((dot, port.types[0]))
         need = "" if port.required else ", may be left unconnected"
         label.setToolTip(tip(f"{side} {port.name}: {' or '.join(port.types)}{need}"))
         place = side, port.name
         about = f"view {side} {port.name}"
-        button = tool_button(f"view.{side}.{port.name}", "View", about, self)
+        button = widgets.tool_button(f"view.{side}.{port.name}", "View", about, self)
         button.clicked.connect(partial(without_argument, partial(self._view, place, 1)))
         if set(port.types) <= set(PLOT_TYPES):
             button.setToolTip(tip("Show this port in Curves"))
@@ -149,7 +144,7 @@ class PortsView(QWidget):
                 tip("Show this port in viewer 1; the arrow (or Down key) lists the other viewers")
             )
             button.setPopupMode(QToolButton.ToolButtonPopupMode.MenuButtonPopup)
-            menu = Menu(button)
+            menu = widgets.Menu(button)
             for number in VIEWER_NUMBERS:
                 offer(menu, "", f"Viewer {number}", partial(self._view, place, number))
             button.setMenu(menu)
@@ -192,7 +187,7 @@ class UnknownBody(QWidget):
         super().__init__(parent)
         self.setObjectName("body")
         self._node = node
-        self.note = plain_label(
+        self.note = widgets.plain_label(
             "unknown_module",
             self,
             f"There is no module {shown(module)} in this library{why and f': {why}'}. The node "
@@ -200,7 +195,7 @@ class UnknownBody(QWidget):
             role=CHANGED,
         )
         self._form = QFormLayout()
-        filled(QVBoxLayout(self), self.note, self._form, margins=(8, 4, 8, 8))
+        widgets.filled(QVBoxLayout(self), self.note, self._form, margins=(8, 4, 8, 8))
 
     def follow(self, before: Network | None, after: Network) -> None:
         node = after.nodes[self._node]
@@ -210,9 +205,9 @@ class UnknownBody(QWidget):
             self._form.removeRow(0)
         for name, value in sorted(node.params.items()):
             text = value if isinstance(value, str) else json.dumps(thaw(value), ensure_ascii=False)
-            label = plain_label(f"raw.{name}", self, text)
+            label = widgets.plain_label(f"raw.{name}", self, text)
             label.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
-            self._form.addRow(plain_label("", self, name), label)
+            self._form.addRow(widgets.plain_label("", self, name), label)
 
 
 _LABEL_SHARE = 0.4  # of the width, for long names, however little is left
@@ -231,13 +226,13 @@ class SectionsView(QWidget):
         self.sections = declaration.panel
         self.fields: list[Field] = []
         pages = tuple(dict.fromkeys(s.page for s in self.sections if s.page))
-        self.tabs = PageTabs(pages, self)
+        self.tabs = widgets.PageTabs(pages, self)
         self.tabs.setVisible(bool(pages))
         self.tabs.turned.connect(self._show_sections)
         self._boxes = [self._box(section) for section in self.sections]
         parts: list[QWidget] = [*self._boxes]
         parts.insert(next((n for n, s in enumerate(self.sections) if s.page), 0), self.tabs)
-        filled(QVBoxLayout(self), *parts, spacing=4)
+        widgets.filled(QVBoxLayout(self), *parts, spacing=4)
         self._line_up(_AT_FIRST)
         self._node: Node | None = None
 
@@ -263,9 +258,9 @@ class SectionsView(QWidget):
 
     def _box(self, section: Section) -> QWidget:
         box = QWidget(self)
-        inside = filled(QVBoxLayout(box), spacing=2)
+        inside = widgets.filled(QVBoxLayout(box), spacing=2)
         if section.title:
-            title = plain_label("", box, section.title, role=FAINT, bold=True)
+            title = widgets.plain_label("", box, section.title, role=FAINT, bold=True)
             title.setContentsMargins(0, 4, 0, 0)
             inside.addWidget(title)
         for name in section.parameters:
@@ -384,7 +379,7 @@ class ReadoutValue(QLineEdit):
     """Can be selected and copied; a `QLabel` would have the window laid out for each text."""
 
     def __init__(self, parent: QWidget) -> None:
-        super().__init__(NONE, parent, readOnly=True, frame=False, alignment=RIGHT)
+        super().__init__(NONE, parent, readOnly=True, frame=False, alignment=widgets.RIGHT)
         self.setTextMargins(0, 0, 0, 0)
         self.setFocusPolicy(Qt.FocusPolicy.ClickFocus)
         self.setFixedHeight(self.fontMetrics().height())
@@ -424,9 +419,9 @@ class ReadoutsView(Viewer):
         grid.setVerticalSpacing(3)
         grid.setColumnStretch(0, 1)
         for row, readout in enumerate(declaration.readouts):
-            name = plain_label("", self, label_of(readout.name), role=FAINT)
-            value = labelled(ReadoutValue(self), f"readout.{readout.name}")
-            unit = plain_label("", self, readout.unit, role=FAINT)
+            name = widgets.plain_label("", self, label_of(readout.name), role=FAINT)
+            value = widgets.labelled(ReadoutValue(self), f"readout.{readout.name}")
+            unit = widgets.plain_label("", self, readout.unit, role=FAINT)
             unit.setWordWrap(False)
             self._meanings[readout.name] = readout.meaning
             for column, widget in enumerate((name, value, unit)):

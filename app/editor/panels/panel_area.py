@@ -8,18 +8,9 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from PySide6 import QtWidgets
 from PySide6.QtCore import QSize, Qt, Signal
 from PySide6.QtGui import QAction, QFocusEvent, QResizeEvent
-from PySide6.QtWidgets import (
-    QFormLayout,
-    QFrame,
-    QLabel,
-    QLineEdit,
-    QPlainTextEdit,
-    QToolButton,
-    QVBoxLayout,
-    QWidget,
-)
 
 from app.editor.declared_text import tip
 from app.editor.evaluation.evaluator import Evaluator
@@ -42,14 +33,7 @@ from app.editor.widgets import (
     without_argument,
 )
 from app.run.preset_files import Sets, given, remove_set, save_set, sets_of
-from core.editing.operations import (
-    ABSENT,
-    has_picture,
-    output_toggled,
-    rename_node,
-    set_network_field,
-    set_node_field,
-)
+from core.editing import operations
 from core.errors import ImagechainError, ParameterError
 from core.modules.declaration import where_absent
 from core.network.macro import SEPARATOR
@@ -66,11 +50,11 @@ class PanelArea(WheelScrollArea):
     illustrations_changed = Signal(object)  # (illustrations)
 
     def __init__(
-        self, session: Session, evaluator: Evaluator, parent: QWidget | None = None
+        self, session: Session, evaluator: Evaluator, parent: QtWidgets.QWidget | None = None
     ) -> None:
         super().__init__(parent)
         labelled(self, "panels", "control panels")
-        self.setFrameShape(QFrame.Shape.NoFrame)
+        self.setFrameShape(QtWidgets.QFrame.Shape.NoFrame)
         self.setWidgetResizable(True)
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         # A bar that comes and goes would move the buttons of the heads.
@@ -84,8 +68,8 @@ class PanelArea(WheelScrollArea):
         self._badges: Mapping[str, Badge] = {}
         self.panels: dict[str, NodePanel] = {}
         self.sets_folder: Path | None = None
-        content = QWidget(self)
-        self._column = filled(QVBoxLayout(content), margins=(2, 2, 2, 2), spacing=6)
+        content = QtWidgets.QWidget(self)
+        self._column = filled(QtWidgets.QVBoxLayout(content), margins=(2, 2, 2, 2), spacing=6)
         self.network_panel = NetworkPanel(session, content)
         self._column.addWidget(self.network_panel)
         self._column.addStretch(1)
@@ -205,22 +189,22 @@ class PanelArea(WheelScrollArea):
     def _close(self, name: str) -> None:
         session = self._session
         if session.network.nodes[name].extra.get("pinned") is True:
-            session.do(set_node_field(name, "pinned", ABSENT))
+            session.do(operations.set_node_field(name, "pinned", operations.ABSENT))
         if name in session.selection:
             session.select([other for other in session.selection if other != name])
 
 
-class NetworkPanel(QFrame):
-    def __init__(self, session: Session, parent: QWidget | None = None) -> None:
+class NetworkPanel(QtWidgets.QFrame):
+    def __init__(self, session: Session, parent: QtWidgets.QWidget | None = None) -> None:
         super().__init__(parent)
         labelled(self, "panel.network", "control panel of the network")
-        self.setFrameShape(QFrame.Shape.StyledPanel)
+        self.setFrameShape(QtWidgets.QFrame.Shape.StyledPanel)
         self._session = session
         bar = TitleBar("Network", self)
         bar.setBackgroundRole(RAISED)
         bar.setAutoFillBackground(True)
         bar.fold.hide()
-        below = QWidget(self)
+        below = QtWidgets.QWidget(self)
         self.name = labelled(TypeIn(below), "network_name", "name of the network")
         self.name.setPlaceholderText("untitled")
         self.name.committed.connect(partial(self._set, "name"))
@@ -239,16 +223,20 @@ class NetworkPanel(QFrame):
         self.count = plain_label("network_count", below)
         text = "Select a node to see its control panel here."
         hint = plain_label("network_hint", below, text, role=FAINT)
-        form = QFormLayout(fieldGrowthPolicy=QFormLayout.FieldGrowthPolicy.AllNonFixedFieldsGrow)
-        form.setRowWrapPolicy(QFormLayout.RowWrapPolicy.WrapLongRows)
+        form = QtWidgets.QFormLayout(
+            fieldGrowthPolicy=QtWidgets.QFormLayout.FieldGrowthPolicy.AllNonFixedFieldsGrow
+        )
+        form.setRowWrapPolicy(QtWidgets.QFormLayout.RowWrapPolicy.WrapLongRows)
         form.addRow("Name", self.name)
         form.addRow("Seed", self.seed)
         form.addRow(self.seed_problem)
         form.addRow("Contents", self.count)
-        words = QLabel("Description", below)
+        words = QtWidgets.QLabel("Description", below)
         words.setBuddy(self.description)
-        filled(QVBoxLayout(below), form, words, self.description, hint, margins=(8, 4, 8, 8))
-        filled(QVBoxLayout(self), bar, below)
+        filled(
+            QtWidgets.QVBoxLayout(below), form, words, self.description, hint, margins=(8, 4, 8, 8)
+        )
+        filled(QtWidgets.QVBoxLayout(self), bar, below)
         self.follow(session.network)
 
     def follow(self, network: Network) -> None:
@@ -276,7 +264,7 @@ class NetworkPanel(QFrame):
         show_or_hide(self.seed_problem, "")
 
     def _set(self, field: str, value: object) -> None:
-        self._session.do(set_network_field(field, value))
+        self._session.do(operations.set_network_field(field, value))
         self.follow(self._session.network)
 
     def _set_seed(self, text: str) -> None:
@@ -292,12 +280,12 @@ class NetworkPanel(QFrame):
         self._set("seed", seed)
 
 
-class Words(QPlainTextEdit):
+class Words(QtWidgets.QPlainTextEdit):
     """Several lines of text, taken when the focus leaves."""
 
     committed = Signal(str)
 
-    def __init__(self, parent: QWidget | None = None) -> None:
+    def __init__(self, parent: QtWidgets.QWidget | None = None) -> None:
         super().__init__(parent, tabChangesFocus=True)
         self.setMinimumHeight(self.fontMetrics().height() * 5)
 
@@ -316,14 +304,14 @@ class Words(QPlainTextEdit):
             self.commit()
 
 
-class NodePanel(QFrame):
+class NodePanel(QtWidgets.QFrame):
     """Head and body of a node's panel, which holds no part of the document itself."""
 
     def __init__(
         self,
         of: PanelNode,
         evaluator: Evaluator,
-        parent: QWidget | None = None,
+        parent: QtWidgets.QWidget | None = None,
         sets_folder: Path | None = None,
         *,
         illustrations: Collection[str] = (),
@@ -331,7 +319,7 @@ class NodePanel(QFrame):
         super().__init__(parent)
         self._of, self._session = of, of.session
         session, node = of.session, of.name
-        self.setFrameShape(QFrame.Shape.StyledPanel)
+        self.setFrameShape(QtWidgets.QFrame.Shape.StyledPanel)
         self.node = node
         self._local_name = session.local_name(node)
         self.module = session.network.nodes[node].module
@@ -341,7 +329,7 @@ class NodePanel(QFrame):
         self.body: ModuleBody | UnknownBody
         if declared is not None:
             self.head = PanelHead(title, declared.group, declared.text, self)
-            self.head.output.setVisible(has_picture(declared))
+            self.head.output.setVisible(operations.has_picture(declared))
             module = session.library.get(declared.key)  # a macro is of none
             query = preview_query(module, node) if module is not None else None
             if query is not None:
@@ -355,7 +343,7 @@ class NodePanel(QFrame):
             self.body = UnknownBody(self.module, node, why, self)
             for button in (self.head.auto, self.head.disable, self.head.generate, self.head.output):
                 button.setEnabled(False)
-        filled(QVBoxLayout(self), self.head, self.body, spacing=0)
+        filled(QtWidgets.QVBoxLayout(self), self.head, self.body, spacing=0)
         keeps = sets_folder is not None and declared is not None and declared.key != MACRO
         self.head.sets.setVisible(keeps and bool(declared and declared.parameters))
         self._connect()
@@ -366,7 +354,9 @@ class NodePanel(QFrame):
     def _connect(self) -> None:
         head, requests, done = self.head, self._of.requests, without_argument
         head.bar.folded.connect(self._fold)
-        head.pin.clicked.connect(lambda: self._set("pinned", head.pin.isChecked() or ABSENT))
+        head.pin.clicked.connect(
+            lambda: self._set("pinned", head.pin.isChecked() or operations.ABSENT)
+        )
         head.fold_picture.clicked.connect(self._fold_picture)
         head.close_button.clicked.connect(partial(done, partial(requests.close.emit, self.node)))
         head.name.committed.connect(self._rename)
@@ -420,11 +410,11 @@ class NodePanel(QFrame):
             self._show_name()
             return
         try:
-            self._session.check(rename_node(self.node, text))
+            self._session.check(operations.rename_node(self.node, text))
         except ImagechainError as error:
             self.head.show_name_error(error.message)
         else:
-            self._session.do(rename_node(self.node, text))
+            self._session.do(operations.rename_node(self.node, text))
 
     def _leave_name(self) -> None:
         if not self.head.name.marked:
@@ -437,10 +427,10 @@ class NodePanel(QFrame):
     def _mark_output(self) -> None:
         session = self._session
         if self._of.is_there:
-            session.do(output_toggled(session.network, session.library, self.node))
+            session.do(operations.output_toggled(session.network, session.library, self.node))
 
     def _set(self, name: str, value: object) -> None:
-        self._of.do(set_node_field(self.node, name, value))
+        self._of.do(operations.set_node_field(self.node, name, value))
 
 
 # The menu of a panel: named sets of the module's parameters, to be kept and taken again.
@@ -450,12 +440,12 @@ class SetsMenu(Menu):
     """Filled when it is opened, from the files of the person's folder."""
 
     def __init__(
-        self, of: PanelNode, folder: Path, button: QToolButton, above: Sequence[QAction]
+        self, of: PanelNode, folder: Path, button: QtWidgets.QToolButton, above: Sequence[QAction]
     ) -> None:
         super().__init__(button)
         self.setObjectName("sets.menu")
         button.setMenu(self)
-        button.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
+        button.setPopupMode(QtWidgets.QToolButton.ToolButtonPopupMode.InstantPopup)
         self._session, self._name = of.session, of.name
         self._folder = folder
         self._above = list(above)
@@ -495,7 +485,7 @@ class SetsMenu(Menu):
         except ImagechainError as error:
             self._session.message.emit("error", f"{begin}{error}")
 
-    def _keep(self, edit: QLineEdit) -> None:
+    def _keep(self, edit: QtWidgets.QLineEdit) -> None:
         name = edit.text().strip()
         self.close()
         with self._told("not saved: "):

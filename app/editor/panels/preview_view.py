@@ -7,17 +7,8 @@ from typing import Any, ClassVar
 import numpy as np
 import pyqtgraph as pg
 from numpy.typing import ArrayLike, NDArray
+from PySide6 import QtGui
 from PySide6.QtCore import QEvent, QPointF, QRectF, QSize, QSizeF, Qt
-from PySide6.QtGui import (
-    QColor,
-    QFontInfo,
-    QFontMetricsF,
-    QLinearGradient,
-    QPainter,
-    QPaintEvent,
-    QPen,
-    QResizeEvent,
-)
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from app.editor.declared_text import tip
@@ -27,15 +18,8 @@ from app.editor.panels.transfer_preview import TransferPreviewQuery
 from app.editor.session import Session
 from app.editor.theme import Theme
 from app.editor.viewers.picture.picture_facts import grey_levels, shrunk
+from app.editor.viewers.plot import plot_looks
 from app.editor.viewers.plot.plot_export import have_plot_menu
-from app.editor.viewers.plot.plot_looks import (
-    PlotAxis,
-    bare,
-    coloured,
-    paint_axes,
-    see_through,
-    thick,
-)
 from app.editor.viewers.viewer import Viewer
 from app.editor.widgets import LEFT, RIGHT
 from core.chain.engine import Plan
@@ -174,7 +158,7 @@ class PreviewView(Viewer):
         if event.type() == QEvent.Type.PaletteChange:
             self._lay()
 
-    def resizeEvent(self, event: QResizeEvent) -> None:
+    def resizeEvent(self, event: QtGui.QResizeEvent) -> None:
         super().resizeEvent(event)
         self._lay()
 
@@ -199,12 +183,12 @@ class PreviewView(Viewer):
             chart.show()
         self.update()
 
-    def paintEvent(self, _event: QPaintEvent) -> None:
-        with QPainter(self) as painter:
-            painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-            painter.fillRect(self.rect(), QColor(self.theme.base))
+    def paintEvent(self, _event: QtGui.QPaintEvent) -> None:
+        with QtGui.QPainter(self) as painter:
+            painter.setRenderHint(QtGui.QPainter.RenderHint.Antialiasing)
+            painter.fillRect(self.rect(), QtGui.QColor(self.theme.base))
             if self.preview is None:
-                painter.setPen(QColor(self.theme.faint_text))
+                painter.setPen(QtGui.QColor(self.theme.faint_text))
                 painter.drawText(self.rect(), _CENTRED, self._words)
             elif self.preview.facts and self._rooms:
                 _paint_facts(painter, self.preview, self._area, *self._rooms[0], self.theme)
@@ -216,7 +200,7 @@ class PreviewView(Viewer):
                         _paint_stack(painter, room, part, self.theme)
                     elif isinstance(part, str):
                         ink = self.theme.faint_text if self.charts else self.theme.text
-                        painter.setPen(QColor(ink))
+                        painter.setPen(QtGui.QColor(ink))
                         painter.drawText(room, _CENTRED, part)
 
 
@@ -284,12 +268,12 @@ class PreviewChart(pg.PlotWidget):  # type: ignore[misc]
     """A chart, which is drawn anew with each answer."""
 
     def __init__(self, parent: QWidget) -> None:
-        axes = {side: PlotAxis(side) for side in ("left", "bottom")}
+        axes = {side: plot_looks.PlotAxis(side) for side in ("left", "bottom")}
         super().__init__(parent, axisItems=axes, enableMenu=False)
         axes["left"].setWidth(2.6 * self.fontMetrics().height())  # so that frames line up
         self.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
         self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
-        bare(self.plotItem)
+        plot_looks.bare(self.plotItem)
         self.showGrid(x=True, y=True, alpha=0.12)
         self.plotItem.layout.setVerticalSpacing(0)
         self._axes: tuple[object, ...] = ()
@@ -297,13 +281,15 @@ class PreviewChart(pg.PlotWidget):  # type: ignore[misc]
     def show_plot(self, plot: Plot, theme: Theme, line: int) -> None:
         """Draw a chart, with so many dots to a line of text."""
         self.clear()
-        names = (coloured(c.name, _colour(theme, c.colour)) for c in plot.curves if c.name)
+        names = (
+            plot_looks.coloured(c.name, _colour(theme, c.colour)) for c in plot.curves if c.name
+        )
         title = " &nbsp; ".join(filter(None, (plot.y.title, *names)))
         across, along = (_drawn(axis, (axis.low, axis.high)) for axis in (plot.x, plot.y))
         if (axes := (theme.look, plot.x, plot.y, title)) != self._axes:  # to draw them takes long
             self._axes = axes
             self.setBackground(theme.base)
-            paint_axes(self.plotItem, theme)
+            plot_looks.paint_axes(self.plotItem, theme)
             self.setTitle(title or None, size=f"{self.font().pointSizeF()}pt", color=theme.text)
             self.plotItem.layout.setRowFixedHeight(0, line if title else 0)
             self.setLabel("bottom", plot.x.title)
@@ -320,16 +306,16 @@ class PreviewChart(pg.PlotWidget):  # type: ignore[misc]
             self.addItem(image)
         if plot.band is not None:
             band = _drawn(plot.x, plot.band)
-            brush = see_through(theme.accent, 48)
+            brush = plot_looks.see_through(theme.accent, 48)
             self.addItem(pg.LinearRegionItem(band, brush=brush, pen=pg.mkPen(None), movable=False))
         for level in plot.levels:
-            self.addLine(y=level, pen=thick(theme.line, 1, Qt.PenStyle.DotLine))
-        texts: Any = {"color": theme.text, "fill": see_through(theme.base, 200)}
+            self.addLine(y=level, pen=plot_looks.thick(theme.line, 1, Qt.PenStyle.DotLine))
+        texts: Any = {"color": theme.text, "fill": plot_looks.see_through(theme.base, 200)}
         below = line / max(self.height() - 4 * line, line)  # a line of text, of the frame's height
         for upright in plot.uprights:
             self.addLine(
                 x=float(_drawn(plot.x, upright.x)),
-                pen=thick(theme.faint_text, 1, Qt.PenStyle.DashLine),
+                pen=plot_looks.thick(theme.faint_text, 1, Qt.PenStyle.DashLine),
                 label=upright.text,
                 labelOpts={"position": 1.0 - (0.7 + upright.down) * below, **texts},
             )
@@ -355,7 +341,7 @@ class PreviewChart(pg.PlotWidget):  # type: ignore[misc]
         pen = pg.mkPen(colour, width=curve.width, style=_PENS[curve.style])
         drawn = pg.PlotCurveItem(x, y, pen=pen, connect="finite", antialias=True)
         if curve.fill:
-            drawn.setBrush(see_through(colour, 60))
+            drawn.setBrush(plot_looks.see_through(colour, 60))
             drawn.setFillLevel("enclosed" if curve.fill == "inside" else plot.y.low)
         self.addItem(drawn)
 
@@ -367,10 +353,10 @@ def _drawn(axis: Axis, values: ArrayLike) -> NDArray[np.float64]:
 
 
 def _paint_facts(
-    painter: QPainter, preview: Preview, area: QRectF, part: Part, room: QRectF, theme: Theme
+    painter: QtGui.QPainter, preview: Preview, area: QRectF, part: Part, room: QRectF, theme: Theme
 ) -> None:
     """Lines of text right of a picture or square chart, and below them its colours."""
-    line = QFontMetricsF(painter.font()).height()
+    line = QtGui.QFontMetricsF(painter.font()).height()
     picture = part.picture if isinstance(part, Plot) else part
     beside = area.adjusted(room.right() + line * 0.8 - area.left(), line * 0.2, 0, 0)
     if isinstance(picture, Picture) and picture.signed and picture.high > 0.0:
@@ -379,24 +365,24 @@ def _paint_facts(
     _write(painter, beside, preview.facts, theme)
 
 
-def _write(painter: QPainter, area: QRectF, lines: Sequence[str], theme: Theme) -> None:
+def _write(painter: QtGui.QPainter, area: QRectF, lines: Sequence[str], theme: Theme) -> None:
     """Write lines from the top left, smaller where they would not all be seen."""
     text, font = "\n".join(lines), painter.font()
-    size = QFontInfo(font).pointSizeF()  # of the font itself, it may be unknown
+    size = QtGui.QFontInfo(font).pointSizeF()  # of the font itself, it may be unknown
     painter.save()
     for share in _SIZES:
         font.setPointSizeF(size * share)
         painter.setFont(font)
         if painter.boundingRect(area, _WRAPPED, text).height() <= area.height():
             break
-    painter.setPen(QColor(theme.text))
+    painter.setPen(QtGui.QColor(theme.text))
     painter.drawText(area, _WRAPPED, text)
     painter.restore()
 
 
 def _signed_colours(theme: Theme) -> tuple[list[str], str]:
     """The theme's colours from −1 over 0 to 1, and that of what is not known."""
-    dark, light = sorted((theme.base, theme.text), key=lambda name: QColor(name).lightness())
+    dark, light = sorted((theme.base, theme.text), key=lambda name: QtGui.QColor(name).lightness())
     return [theme.curves[0], light, theme.curves[3]], dark
 
 
@@ -406,23 +392,23 @@ def _pixels(picture: Picture, theme: Theme) -> NDArray[np.uint8]:
         return grey_levels(picture.samples, picture.low, picture.high)
     names, unknown = _signed_colours(theme)
     shares = picture.samples / (2 * picture.high or 1.0) + 0.5
-    colours = pg.ColorMap((0.0, 0.5, 1.0), [QColor(name).getRgb() for name in names])
+    colours = pg.ColorMap((0.0, 0.5, 1.0), [QtGui.QColor(name).getRgb() for name in names])
     pixels: NDArray[np.uint8] = colours.map(np.nan_to_num(shares), mode="byte")[..., :3]
-    pixels[np.isnan(shares)] = QColor(unknown).getRgb()[:3]
+    pixels[np.isnan(shares)] = QtGui.QColor(unknown).getRgb()[:3]
     return pixels
 
 
-def _paint_scale(painter: QPainter, area: QRectF, picture: Picture, theme: Theme) -> None:
-    metrics = QFontMetricsF(painter.font())
+def _paint_scale(painter: QtGui.QPainter, area: QRectF, picture: Picture, theme: Theme) -> None:
+    metrics = QtGui.QFontMetricsF(painter.font())
     line = metrics.height()
     bar = QRectF(area.left(), area.top(), area.width() - line / 2, line * 0.7)
-    colours = QLinearGradient(bar.topLeft(), bar.topRight())
+    colours = QtGui.QLinearGradient(bar.topLeft(), bar.topRight())
     for share, end in zip((0.0, 0.5, 1.0), _signed_colours(theme)[0], strict=True):
-        colours.setColorAt(share, QColor(end))
+        colours.setColorAt(share, QtGui.QColor(end))
     painter.fillRect(bar, colours)
     text = bar.translated(0, line * 0.85)
     text.setHeight(line)
-    painter.setPen(QColor(theme.text))
+    painter.setPen(QtGui.QColor(theme.text))
     written, middle = brief(picture.high, 2), f" {picture.unit} "
     painter.drawText(text, Qt.AlignmentFlag.AlignLeft, signed(f"-{written}"))
     if metrics.horizontalAdvance(written + middle + written) + line * 2 < text.width():
@@ -430,8 +416,8 @@ def _paint_scale(painter: QPainter, area: QRectF, picture: Picture, theme: Theme
     painter.drawText(text, Qt.AlignmentFlag.AlignRight, f"+{written}")
 
 
-def _paint_bars(painter: QPainter, area: QRectF, bars: Bars, theme: Theme) -> None:
-    metrics = QFontMetricsF(painter.font())
+def _paint_bars(painter: QtGui.QPainter, area: QRectF, bars: Bars, theme: Theme) -> None:
+    metrics = QtGui.QFontMetricsF(painter.font())
     height = area.height() / len(bars.bars)
     named = max(metrics.horizontalAdvance(bar.name) for bar in bars.bars) + height * 0.5
     valued = max(metrics.horizontalAdvance(bar.value) for bar in bars.bars) + height * 0.5
@@ -439,21 +425,21 @@ def _paint_bars(painter: QPainter, area: QRectF, bars: Bars, theme: Theme) -> No
     room = max(0.0, area.width() - named - valued)
     for number, bar in enumerate(bars.bars):
         top = area.top() + number * height
-        painter.setPen(QColor(theme.text))
+        painter.setPen(QtGui.QColor(theme.text))
         painter.drawText(QRectF(area.left(), top, named - height * 0.4, height), RIGHT, bar.name)
         length = room * min(1.0, bar.size / most)
         filled = QRectF(area.left() + named, top + height * 0.22, length, height * 0.56)
-        painter.fillRect(filled, QColor(_colour(theme, bar.colour)))
+        painter.fillRect(filled, QtGui.QColor(_colour(theme, bar.colour)))
         value = QRectF(filled.right() + height * 0.3, top, valued, height)
         painter.drawText(value, LEFT, bar.value)
 
 
-def _paint_stack(painter: QPainter, area: QRectF, stack: Stack, theme: Theme) -> None:
-    line = QFontMetricsF(painter.font()).height()
+def _paint_stack(painter: QtGui.QPainter, area: QRectF, stack: Stack, theme: Theme) -> None:
+    line = QtGui.QFontMetricsF(painter.font()).height()
     head = QRectF(area.left(), area.top(), area.width(), line * 1.2)
-    painter.setPen(QColor(theme.error if stack.excess else theme.text))
+    painter.setPen(QtGui.QColor(theme.error if stack.excess else theme.text))
     painter.drawText(head, LEFT, stack.left)
-    painter.setPen(QColor(theme.text))
+    painter.setPen(QtGui.QColor(theme.text))
     painter.drawText(head, RIGHT, stack.right)
     bar = QRectF(area.left(), head.bottom() + line * 0.2, area.width(), line * 1.1)
     parts = [part for part in stack.parts if part.size > 0.0]
@@ -462,11 +448,11 @@ def _paint_stack(painter: QPainter, area: QRectF, stack: Stack, theme: Theme) ->
     for part in parts:
         width = part.size * scale
         painter.fillRect(
-            QRectF(left, bar.top(), width, bar.height()), QColor(_colour(theme, part.colour))
+            QRectF(left, bar.top(), width, bar.height()), QtGui.QColor(_colour(theme, part.colour))
         )
         left += width
     painter.setBrush(Qt.BrushStyle.NoBrush)
-    painter.setPen(QPen(QColor(theme.error if stack.excess else theme.line), 1.2))
+    painter.setPen(QtGui.QPen(QtGui.QColor(theme.error if stack.excess else theme.line), 1.2))
     if stack.whole:
         painter.drawRect(QRectF(bar.topLeft(), QSizeF(stack.whole * scale, bar.height())))
     box, half = line * 0.6, area.width() / 2
@@ -476,8 +462,8 @@ def _paint_stack(painter: QPainter, area: QRectF, stack: Stack, theme: Theme) ->
         )
         painter.fillRect(
             QRectF(place.x(), place.y() + (line - box) / 2, box, box),
-            QColor(_colour(theme, part.colour)),
+            QtGui.QColor(_colour(theme, part.colour)),
         )
-        painter.setPen(QColor(theme.text))
+        painter.setPen(QtGui.QColor(theme.text))
         text = QRectF(place.x() + box * 1.4, place.y(), half - box * 1.4, line)
         painter.drawText(text, LEFT, f"{part.name} {part.value}")

@@ -15,18 +15,7 @@ from core.chain.wires import Transfer
 from core.errors import DataError
 from core.evaluation.recipes import Recipe
 from core.evaluation.work import Work
-from core.modules.preview import (
-    Axis,
-    Curve,
-    Mark,
-    Plot,
-    Preview,
-    Style,
-    Upright,
-    brief,
-    pair,
-    round_step,
-)
+from core.modules import preview
 from core.records import dataclass
 from core.transfer.factors import Part
 
@@ -65,7 +54,7 @@ class TransferPreviewQuery(Query):
         transfer: Transfer = plan.output(f"{self.node}.{self.part}")
         return transfer.key, plan.node(self.node).node.disabled
 
-    def answer(self, passing: Passing) -> Preview | None:
+    def answer(self, passing: Passing) -> preview.Preview | None:
         if passing.plan.node(self.node).node.disabled:
             return None
         x, y = transfer_lines(passing, self.node, self.part)
@@ -172,21 +161,25 @@ def _alike(x: TransferLine, y: TransferLine) -> bool:
     )
 
 
-def _preview(part: Part, x: TransferLine, y: TransferLine, turn: float | None) -> Preview:
+def _preview(part: Part, x: TransferLine, y: TransferLine, turn: float | None) -> preview.Preview:
     alike = _alike(x, y)
     named = [(x, "x = y", 0)] if alike else [(x, "x", 0), (y, "y", 1)]
-    curves: list[Curve] = []
-    marks: list[Mark] = []
+    curves: list[preview.Curve] = []
+    marks: list[preview.Mark] = []
     for line, name, number in named:
-        style: Style = "dashed" if number else "solid"
-        curves.append(Curve(line.frequency, line.values, number, style, name))
+        style: preview.Style = "dashed" if number else "solid"
+        curves.append(preview.Curve(line.frequency, line.values, number, style, name))
         if part == "mtf" and line.values.min() < 0:
             modulus = np.where(line.values < 0, -line.values, np.nan)
-            curves.append(Curve(line.frequency, modulus, number, "dotted", width=1.2))
+            curves.append(preview.Curve(line.frequency, modulus, number, "dotted", width=1.2))
         if line.half is not None:
             which = "" if alike else f" ({name})"
-            marks.append(Mark(line.half, 0.5, f"½ at {brief(line.half)}{which}", number, number))
-    chart = Plot(
+            marks.append(
+                preview.Mark(
+                    line.half, 0.5, f"½ at {preview.brief(line.half)}{which}", number, number
+                )
+            )
+    chart = preview.Plot(
         _across(x, y, turn),
         _up(part, np.concatenate([x.values, y.values])),
         curves=tuple(curves),
@@ -194,25 +187,27 @@ def _preview(part: Part, x: TransferLine, y: TransferLine, turn: float | None) -
         uprights=tuple(_uprights(x, y)),
         levels=(0.5,) if part == "mtf" else (),
     )
-    return Preview(_in_words(part, x, y), (chart,))
+    return preview.Preview(_in_words(part, x, y), (chart,))
 
 
-def _uprights(x: TransferLine, y: TransferLine) -> Iterator[Upright]:
+def _uprights(x: TransferLine, y: TransferLine) -> Iterator[preview.Upright]:
     """Nyquist frequencies and cutoffs, once where both axes have the same."""
     lines = {0: x, 1: y}
     for name, down, values in (
         ("Nyquist", 0, {n: line.nyquist for n, line in lines.items()}),
         ("cutoff", 2, {n: line.cutoff for n, line in lines.items() if line.cutoff is not None}),
     ):
-        one = len({brief(value) for value in values.values()}) == 1
+        one = len({preview.brief(value) for value in values.values()}) == 1
         for number, value in list(values.items())[: 1 if one else 2]:
             which = "" if one else f" {'xy'[number]}"
-            yield Upright(value, f"{name}{which} {brief(value)}", down + number)
+            yield preview.Upright(value, f"{name}{which} {preview.brief(value)}", down + number)
 
 
 def _in_words(part: Part, x: TransferLine, y: TransferLine) -> str:
     unit = "" if part == "mtf" else " rad"
-    text = f"{part.upper()} at the Nyquist frequency {pair(x.nyquist, y.nyquist)} cyc/mrad: "
+    text = (
+        f"{part.upper()} at the Nyquist frequency {preview.pair(x.nyquist, y.nyquist)} cyc/mrad: "
+    )
     text += _both(x.at_nyquist, y.at_nyquist, unit)
     if x.half is not None or y.half is not None:
         text += f"; half contrast at {_both(x.half, y.half, ' cyc/mrad')}"
@@ -224,29 +219,30 @@ def _in_words(part: Part, x: TransferLine, y: TransferLine) -> str:
 def _both(x: float | None, y: float | None, unit: str) -> str:
     # What rounding leaves of 0 is 0.
     across, along = (
-        "none" if v is None else brief(v if abs(v) >= _NOTHING else 0.0) + unit for v in (x, y)
+        "none" if v is None else preview.brief(v if abs(v) >= _NOTHING else 0.0) + unit
+        for v in (x, y)
     )
     return across if across == along else f"{across} across, {along} along"
 
 
-def _across(x: TransferLine, y: TransferLine, turn: float | None) -> Axis:
+def _across(x: TransferLine, y: TransferLine, turn: float | None) -> preview.Axis:
     title = "spatial frequency (cyc/mrad)"
     end = max(x.frequency[-1], y.frequency[-1], x.nyquist, y.nyquist)
     if turn is None:
-        return Axis(0.0, end * 1.03, title)
-    return Axis(_lowest(end, turn), end * 1.2, title, log=True)
+        return preview.Axis(0.0, end * 1.03, title)
+    return preview.Axis(_lowest(end, turn), end * 1.2, title, log=True)
 
 
-def _up(part: Part, values: Vector) -> Axis:
+def _up(part: Part, values: Vector) -> preview.Axis:
     least, most = float(values.min()), float(values.max())
     if part == "ptf":
         size = max(abs(least), abs(most))
-        step = round_step(size / 2) if size > 0 else 0.5
+        step = preview.round_step(size / 2) if size > 0 else 0.5
         low = -2 * step if least < 0 else 0.0
         high = 2 * step if most > 0 or least == 0 else 0.0
-        return Axis(low, high + _HEADROOM * (high - low), "PTF (rad)", reach=high)
+        return preview.Axis(low, high + _HEADROOM * (high - low), "PTF (rad)", reach=high)
     low = next((floor for floor in _FLOORS if least >= floor and least < 1), 0.0)
     if least < 0:
         low = -0.25 if least > -0.25 else -1.0
     high = max(1.0, most)
-    return Axis(low, high + _HEADROOM * (high - low), "MTF", reach=high)
+    return preview.Axis(low, high + _HEADROOM * (high - low), "MTF", reach=high)

@@ -16,6 +16,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from app.editor import widgets
 from app.editor.declared_text import (
     about,
     choice_text,
@@ -36,17 +37,6 @@ from app.editor.panels.fields.field_menu import (
 from app.editor.panels.fields.type_in import NameLabel, TypeIn, discard_typing
 from app.editor.session import Session
 from app.editor.theme import CHANGED, ERROR, FAINT, TEXT
-from app.editor.widgets import (
-    Check,
-    FlowLayout,
-    Menu,
-    Radio,
-    filled,
-    labelled,
-    plain_label,
-    show_or_hide,
-    takes_wheel,
-)
 from core.editing.clipboard import copied_values, pasted_values
 from core.editing.operations import ABSENT, Operation, named, set_parameter, together
 from core.errors import ImagechainError, ParameterError, thaw
@@ -137,16 +127,18 @@ class Field(QWidget):
         self.setObjectName(f"field.{parameter.name}")
         self.title = label_of(parameter.name)
         self.setToolTip(tip(f"{self.title}: {about(parameter)}"))
-        self.label = labelled(NameLabel(self.title, self), f"label.{parameter.name}")
+        self.label = widgets.labelled(NameLabel(self.title, self), f"label.{parameter.name}")
         self.label.setTextFormat(Qt.TextFormat.PlainText)
         self.label.setSizePolicy(QSizePolicy.Policy.Maximum, QSizePolicy.Policy.Preferred)
-        self.unit = plain_label(f"unit.{parameter.name}", self, parameter.param.unit, role=FAINT)
+        self.unit = widgets.plain_label(
+            f"unit.{parameter.name}", self, parameter.param.unit, role=FAINT
+        )
         self.unit.setWordWrap(False)
-        self.message = plain_label(f"message.{parameter.name}", self, role=ERROR)
+        self.message = widgets.plain_label(f"message.{parameter.name}", self, role=ERROR)
         self.message.hide()
         self.row = QHBoxLayout()
         self.row.setSpacing(6)
-        self.column = filled(QVBoxLayout(self), self.row, margins=(0, 1, 0, 1), spacing=1)
+        self.column = widgets.filled(QVBoxLayout(self), self.row, margins=(0, 1, 0, 1), spacing=1)
         self.build()
         self.column.addWidget(self.message)
         self._mark_changed()
@@ -195,7 +187,9 @@ class Field(QWidget):
 
     def named(self, widget: QWidget, what: str = "", name: str = "") -> None:
         unit = f" in {self.parameter.param.unit}" if self.parameter.param.unit else ""
-        labelled(widget, f"{name or 'value'}.{self.parameter.name}", f"{self.title}{unit}{what}")
+        widgets.labelled(
+            widget, f"{name or 'value'}.{self.parameter.name}", f"{self.title}{unit}{what}"
+        )
         widget.setAccessibleDescription(about(self.parameter))
         widget.setContextMenuPolicy(Qt.ContextMenuPolicy.NoContextMenu)  # the field has one
 
@@ -269,7 +263,7 @@ class Field(QWidget):
             menu.setParent(self, menu.windowFlags())
             menu.addSeparator()
         else:
-            menu = Menu(self)
+            menu = widgets.Menu(self)
         menu.setObjectName("field.menu")
         menu.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self._fill(menu)
@@ -348,9 +342,9 @@ class Field(QWidget):
             return
         if any(edit.is_left_by_mouse for edit in self.findChildren(TypeIn)):
             # What the mouse has just pressed would slide away below it.
-            QTimer.singleShot(_CLICK_MS, self, partial(show_or_hide, self.message, text))
+            QTimer.singleShot(_CLICK_MS, self, partial(widgets.show_or_hide, self.message, text))
         else:
-            show_or_hide(self.message, text)
+            widgets.show_or_hide(self.message, text)
 
 
 class TypedField(Field):
@@ -386,14 +380,14 @@ def choices_of(parameter: Parameter) -> tuple[Any, ...]:
 class ButtonsField(Field):
     def build(self) -> None:
         self.choices = choices_of(self.parameter)
-        flow = filled(FlowLayout(across=6, down=2), self.label)
+        flow = widgets.filled(widgets.FlowLayout(across=6, down=2), self.label)
         self.row.addLayout(flow, 1)
         self.row.addWidget(self.unit)
         self.unit.setVisible(bool(self.parameter.param.unit))
         self.group = QButtonGroup(self)
-        self.buttons: list[Radio] = []
+        self.buttons: list[widgets.Radio] = []
         for number, choice in enumerate(self.choices):
-            button = Radio(choice_text(choice), self)
+            button = widgets.Radio(choice_text(choice), self)
             self.named(button, f": {choice_text(choice)}", f"choice.{choice}")
             self.group.addButton(button, number)
             self.buttons.append(button)
@@ -427,7 +421,7 @@ class ChoiceBox(QComboBox):
     """A list that the wheel scrolls past, unless it has the focus."""
 
     def wheelEvent(self, event: QWheelEvent) -> None:
-        if takes_wheel(self):
+        if widgets.takes_wheel(self):
             super().wheelEvent(event)
         else:
             event.ignore()
@@ -448,7 +442,7 @@ class ListField(Field):
         self.named(self.box)
         self.label.setBuddy(self.box)
         self.box.activated.connect(lambda number: self.offer(self.choices[number]))
-        filled(self.row, self.label, (self.box, 1), self.unit)
+        widgets.filled(self.row, self.label, (self.box, 1), self.unit)
         self.lines_up = bool(self.parameter.param.unit)
         self.unit.setVisible(self.lines_up)
 
@@ -462,7 +456,7 @@ class ListField(Field):
 
 class SwitchField(Field):
     def build(self) -> None:
-        self.box = Check(self.title, self)
+        self.box = widgets.Check(self.title, self)
         self.named(self.box)
         self.box.clicked.connect(lambda: self.offer(self.box.isChecked()))
         self.label.hide()
@@ -485,7 +479,7 @@ class TextField(TypedField):
         edit = self.build_edit()
         if self.parameter.empty:
             edit.setPlaceholderText("empty")
-        filled(self.row, self.label, (edit, 1), self.unit)
+        widgets.filled(self.row, self.label, (edit, 1), self.unit)
 
     def show_value(self, value: Any) -> None:
         self.edit.show_text("" if value is None else str(value))
@@ -495,7 +489,7 @@ class NumbersField(TypedField):
     def build(self) -> None:
         edit = self.build_edit()
         edit.setPlaceholderText("none: type numbers, such as 0, 0.1")
-        filled(self.row, self.label, (edit, 1), self.unit)
+        widgets.filled(self.row, self.label, (edit, 1), self.unit)
 
     def show_value(self, value: Any) -> None:
         self.edit.show_text(shown_numbers(value or ()))

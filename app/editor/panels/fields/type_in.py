@@ -1,17 +1,7 @@
 """A line to type a value in, and a name that is dragged to change it; both are given up on Esc."""
 
+from PySide6 import QtGui
 from PySide6.QtCore import QEvent, QSize, Qt, Signal
-from PySide6.QtGui import (
-    QFocusEvent,
-    QKeyEvent,
-    QKeySequence,
-    QMouseEvent,
-    QPainter,
-    QPaintEvent,
-    QPalette,
-    QPen,
-    QWheelEvent,
-)
 from PySide6.QtWidgets import QCompleter, QLabel, QLineEdit, QWidget
 
 from app.editor.theme import ERROR
@@ -20,7 +10,7 @@ from app.editor.widgets import is_escape
 STEPS = {Qt.Key.Key_Up: 1, Qt.Key.Key_Down: -1, Qt.Key.Key_PageUp: 10, Qt.Key.Key_PageDown: -10}
 _OF_LIST = {*STEPS, Qt.Key.Key_Return, Qt.Key.Key_Enter, Qt.Key.Key_Tab, Qt.Key.Key_Escape}
 FINER, COARSER = 0.1, 10.0
-_UNDO, _REDO = QKeySequence.StandardKey.Undo, QKeySequence.StandardKey.Redo
+_UNDO, _REDO = QtGui.QKeySequence.StandardKey.Undo, QtGui.QKeySequence.StandardKey.Redo
 
 
 def step_factor(keys: Qt.KeyboardModifier) -> float:
@@ -81,7 +71,7 @@ class TypeIn(QLineEdit):
 
     def event(self, event: QEvent) -> bool:
         """Leave undo to the document where nothing is typed; keep Esc where something is."""
-        if event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent):
+        if event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QtGui.QKeyEvent):
             nothing = (event.matches(_UNDO) and not self.isUndoAvailable()) or (
                 event.matches(_REDO) and not self.isRedoAvailable()
             )
@@ -93,7 +83,7 @@ class TypeIn(QLineEdit):
                 return True
         return super().event(event)
 
-    def keyPressEvent(self, event: QKeyEvent) -> None:
+    def keyPressEvent(self, event: QtGui.QKeyEvent) -> None:
         names = self.names.popup() if self.names is not None else None
         if event.key() in _OF_LIST and names is not None and names.isVisible():
             event.ignore()  # Qt gives it to the list
@@ -105,31 +95,31 @@ class TypeIn(QLineEdit):
         else:
             super().keyPressEvent(event)
 
-    def keyReleaseEvent(self, event: QKeyEvent) -> None:
+    def keyReleaseEvent(self, event: QtGui.QKeyEvent) -> None:
         super().keyReleaseEvent(event)
         if self._steps and event.key() in STEPS and not event.isAutoRepeat():
             self.step_ended.emit()
 
-    def wheelEvent(self, event: QWheelEvent) -> None:
+    def wheelEvent(self, event: QtGui.QWheelEvent) -> None:
         event.ignore()
         self.turned.emit(event)
 
-    def focusOutEvent(self, event: QFocusEvent) -> None:
+    def focusOutEvent(self, event: QtGui.QFocusEvent) -> None:
         super().focusOutEvent(event)
         if event.reason() != Qt.FocusReason.PopupFocusReason:
             self.is_left_by_mouse = event.reason() == Qt.FocusReason.MouseFocusReason
             self.commit()
             self.is_left_by_mouse = False
 
-    def paintEvent(self, event: QPaintEvent) -> None:
+    def paintEvent(self, event: QtGui.QPaintEvent) -> None:
         """Draw a frame over Qt's own: of what was refused, and one that is seen on dark grounds."""
         super().paintEvent(event)
-        with QPainter(self) as painter:
+        with QtGui.QPainter(self) as painter:
             if self.marked:
-                painter.setPen(QPen(self.palette().color(ERROR), 2))
+                painter.setPen(QtGui.QPen(self.palette().color(ERROR), 2))
                 painter.drawRect(self.rect().adjusted(1, 1, -1, -1))
             elif not self.hasFocus():
-                painter.setPen(self.palette().color(QPalette.ColorRole.Mid))
+                painter.setPen(self.palette().color(QtGui.QPalette.ColorRole.Mid))
                 painter.drawRect(self.rect().adjusted(0, 0, -1, -1))
 
     def _unmark(self, _text: str = "") -> None:
@@ -172,10 +162,10 @@ class NameLabel(QLabel):
         self.setFocusPolicy(Qt.FocusPolicy.ClickFocus if on else Qt.FocusPolicy.NoFocus)
         self.setCursor(Qt.CursorShape.SizeHorCursor if on else Qt.CursorShape.ArrowCursor)
 
-    def paintEvent(self, _event: QPaintEvent) -> None:
+    def paintEvent(self, _event: QtGui.QPaintEvent) -> None:
         room = self.contentsRect()
         middle = Qt.TextElideMode.ElideMiddle
-        with QPainter(self) as painter:
+        with QtGui.QPainter(self) as painter:
             text = painter.fontMetrics().elidedText(self.text(), middle, room.width())
             painter.setPen(self.palette().color(self.foregroundRole()))
             painter.drawText(room, int(self.alignment()), text)
@@ -192,17 +182,17 @@ class NameLabel(QLabel):
                 self.finished.emit()
         return bool(super().event(event))
 
-    def mousePressEvent(self, event: QMouseEvent) -> None:
+    def mousePressEvent(self, event: QtGui.QMouseEvent) -> None:
         if event.button() == Qt.MouseButton.LeftButton and self.drags:
             self._last, self._moving = event.position().x(), False
 
-    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+    def mouseMoveEvent(self, event: QtGui.QMouseEvent) -> None:
         way = 0.0 if self._last is None else event.position().x() - self._last
         if way and (self._moving or abs(way) >= START_PIXELS):
             self._moving, self._last = True, event.position().x()
             self.dragged.emit(way / PIXELS_A_STEP * step_factor(event.modifiers()))
 
-    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
+    def mouseReleaseEvent(self, event: QtGui.QMouseEvent) -> None:
         if self._last is not None and event.button() == Qt.MouseButton.LeftButton:
             self._last = None
             self.finished.emit()

@@ -16,31 +16,9 @@ from PySide6.QtWidgets import QApplication, QStackedWidget, QVBoxLayout, QWidget
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.queries import Answer, Query
 from app.editor.session import Session
+from app.editor.viewers.picture import picture_facts, picture_query, plots_below
 from app.editor.viewers.picture.picture_bar import BandBar, PictureBar
 from app.editor.viewers.picture.picture_canvas import PictureCanvas, Sides
-from app.editor.viewers.picture.picture_facts import (
-    AUTOMATIC_LEVELS,
-    Facts,
-    Levels,
-    Scale,
-    bands_of,
-    laid_over,
-)
-from app.editor.viewers.picture.picture_query import (
-    KeptPicture,
-    Picture,
-    PictureQuery,
-    facts_text,
-    index_at,
-    sample_text,
-)
-from app.editor.viewers.picture.plots_below import (
-    LineMeans,
-    MeanSpectrumQuery,
-    ProfileLine,
-    SampleSpectrumQuery,
-    Spectra,
-)
 from app.editor.viewers.picture.region import RegionTool
 from app.editor.viewers.plot.plot_export import columns_text, png_bytes
 from app.editor.viewers.viewer import PICTURE_TYPES, StatusLine, Viewer, ports_by_node
@@ -66,7 +44,7 @@ class KeptSide:
     """What a viewer's picture, B, is compared with, and how."""
 
     # the kept picture, A; None where there is none of this wire, `missing` says why
-    kept: KeptPicture | None
+    kept: picture_query.KeptPicture | None
     name: str  # what the kept state is called
     way: Way  # A in the place of B, or A left of the wipe and B right of it
     missing: str = ""  # why there is nothing to compare with, in one line
@@ -83,19 +61,19 @@ class ImageViewer(Viewer):
         self.window_actions: tuple[QAction, ...] = ()
         self.by_hand = False
         """Whether a person chose what it shows; else it follows the end of the chain."""
-        self.choices = PictureQuery(levels=AUTOMATIC_LEVELS)
-        self.picture: Picture | None = None
-        self._lost: PictureQuery | None = None
+        self.choices = picture_query.PictureQuery(levels=picture_facts.AUTOMATIC_LEVELS)
+        self.picture: picture_query.Picture | None = None
+        self._lost: picture_query.PictureQuery | None = None
         self.kept_side: KeptSide | None = None
         """What was kept of the wire, as it is compared now; None where it is not."""
         self.linked: weakref.WeakSet[ImageViewer] = weakref.WeakSet()
         self._place: tuple[int, int] | None = None  # row and column of the probe
         self._failed = False
-        self._before_drag: Levels | None = None
+        self._before_drag: picture_facts.Levels | None = None
         self._sample: tuple[int, int] | None = None  # whose spectrum is shown
         self._pause = QTimer(self, singleShot=True, interval=PAUSE_MS)
         self._pause.timeout.connect(self.ask)
-        self._full: tuple[Any, Facts] | None = None
+        self._full: tuple[Any, picture_facts.Facts] | None = None
         self.setAccessibleName(f"Image viewer {number}")
         self._build()
         self._connect()
@@ -107,7 +85,7 @@ class ImageViewer(Viewer):
         self._lost, self.by_hand = None, port is not None
         self._choose(port=port or "", mapping=self._mapping_of(port))
 
-    def _mapping_of(self, port: str | None) -> Scale:
+    def _mapping_of(self, port: str | None) -> picture_facts.Scale:
         """How a wire is drawn at first: a spectrum, which spans decades, by its logarithm."""
         chosen = self.choices.mapping
         was, now = self._is_spectrum(self.choices.port), self._is_spectrum(port)
@@ -186,33 +164,35 @@ class ImageViewer(Viewer):
 
     def queries(self) -> tuple[Query, ...]:
         query = self._query
-        if query is None or not self.canvas.shows(Spectra):
+        if query is None or not self.canvas.shows(plots_below.Spectra):
             return () if query is None else (query,)
-        mean = MeanSpectrumQuery(query.port)
+        mean = plots_below.MeanSpectrumQuery(query.port)
         if self._sample is None:
             return query, mean
-        return query, mean, SampleSpectrumQuery(query.port, *self._sample)
+        return query, mean, plots_below.SampleSpectrumQuery(query.port, *self._sample)
 
     def accepts(self, query: Query) -> bool:
         """Whether it is what is chosen; while levels or bands are dragged, also with others."""
         chosen = self._query
-        if isinstance(query, MeanSpectrumQuery | SampleSpectrumQuery):
+        if isinstance(query, plots_below.MeanSpectrumQuery | plots_below.SampleSpectrumQuery):
             return query.port == self.choices.port  # also of a sample that the cursor has left
-        if chosen is None or not isinstance(query, PictureQuery):
+        if chosen is None or not isinstance(query, picture_query.PictureQuery):
             return False
         alike = query.bands.shown == chosen.bands.shown
         return alike and replace(query, levels=chosen.levels, bands=chosen.bands) == chosen
 
     def take(self, answer: Answer) -> None:
         """Show a picture, or the last one faintly with the reason why there is none."""
-        if not isinstance(answer.query, PictureQuery):
-            spectra = self.canvas.below.get(Spectra)
-            left = isinstance(answer.query, SampleSpectrumQuery) and self._sample is None
-            if isinstance(spectra, Spectra) and not left:
+        if not isinstance(answer.query, picture_query.PictureQuery):
+            spectra = self.canvas.below.get(plots_below.Spectra)
+            left = (
+                isinstance(answer.query, plots_below.SampleSpectrumQuery) and self._sample is None
+            )
+            if isinstance(spectra, plots_below.Spectra) and not left:
                 spectra.show_answer(answer)
             return
         self._failed = answer.error is not None
-        if isinstance(answer.value, Picture):
+        if isinstance(answer.value, picture_query.Picture):
             picture = self._placed(answer.value)
             self._pages.setCurrentWidget(self.canvas)
             self._show(picture)
@@ -233,7 +213,11 @@ class ImageViewer(Viewer):
             shown = self.choices.port if self._lost else moved.port
             there = shown.rpartition(".")[0] in after.nodes
             port = self._upstream(shown, before, after)
-            now = self.choices if there else PictureQuery(port, levels=AUTOMATIC_LEVELS)
+            now = (
+                self.choices
+                if there
+                else picture_query.PictureQuery(port, levels=picture_facts.AUTOMATIC_LEVELS)
+            )
         self._lost = moved if gone else None
         if now != self.choices:
             self.choices = now
@@ -255,7 +239,7 @@ class ImageViewer(Viewer):
         self.look_at(None)
 
     @property
-    def _query(self) -> PictureQuery | None:
+    def _query(self) -> picture_query.PictureQuery | None:
         """What is chosen, with a kept picture of the wire in the place of another wire."""
         choices, side = self.choices, self.kept_side
         if not choices.port:
@@ -266,19 +250,19 @@ class ImageViewer(Viewer):
             return replace(alone, kept=side.kept)
         return choices
 
-    def _show(self, picture: Picture) -> None:
+    def _show(self, picture: picture_query.Picture) -> None:
         before, self.picture, side = self.picture, picture, self.kept_side
         self.canvas.show_sides(*_sides_of(self.choices, side))
         self.canvas.show_picture(picture)
         against = (side.name, side.way) if side is not None else ()
         text = picture.refused or (side.missing if side is not None else "")
-        text = text or facts_text(picture, self.choices, *against)
+        text = text or picture_query.facts_text(picture, self.choices, *against)
         self.status.show_text(text, failed=bool(picture.refused))
         self._show_bands(picture)
         if self._place and before and before.facts.kind == picture.facts.kind:
             row, column = self._place
             place = before.facts.across.at(column), before.facts.along.at(row)
-            self._place = index_at(picture.facts, *place)
+            self._place = picture_query.index_at(picture.facts, *place)
         else:
             self._place = None
         self._show_sample()
@@ -306,8 +290,8 @@ class ImageViewer(Viewer):
         bar.display.levels.chosen.connect(self._choose_levels)
         bar.display.colours.chosen.connect(self._set_colours)
         bar.display.histogram.toggled.connect(canvas.levels.setVisible)
-        bar.display.profile.toggled.connect(partial(canvas.show_below, ProfileLine))
-        bar.display.means.toggled.connect(partial(canvas.show_below, LineMeans))
+        bar.display.profile.toggled.connect(partial(canvas.show_below, plots_below.ProfileLine))
+        bar.display.means.toggled.connect(partial(canvas.show_below, plots_below.LineMeans))
         bar.display.spectra.toggled.connect(self._fit_spectra)
         self.band_bar.chosen.connect(self._choose_bands)
         canvas.band_dragged.connect(self.band_bar.take_line)
@@ -334,8 +318,8 @@ class ImageViewer(Viewer):
         self._lost, self.by_hand = None, True
         self._choose(port=port, mapping="linear", mode="alone")
 
-    def _show_bands(self, picture: Picture | None) -> None:
-        bands = bands_of(picture.value) if picture is not None else None
+    def _show_bands(self, picture: picture_query.Picture | None) -> None:
+        bands = picture_facts.bands_of(picture.value) if picture is not None else None
         self.band_bar.show_bands(bands, self.choices.bands)
         self.bar.display.spectra.setEnabled(bands is not None)
         self._fit_spectra()
@@ -374,15 +358,15 @@ class ImageViewer(Viewer):
         """Show spectra of a picture with bands; of little height the picture has all."""
         wanted = self.bar.display.spectra.isEnabled() and self.bar.display.spectra.isChecked()
         fits = self.canvas.height() >= _SPECTRA * self.fontMetrics().height()
-        if (wanted and fits) != self.canvas.shows(Spectra):
-            self.canvas.show_below(Spectra, wanted and fits)
+        if (wanted and fits) != self.canvas.shows(plots_below.Spectra):
+            self.canvas.show_below(plots_below.Spectra, wanted and fits)
             self._pause.start()
 
     def _point_at(self, place: Any) -> None:
         """The cursor is at a place of the axes, or on no picture."""
         self._place = None
         if place is not None and self.picture is not None:
-            self._place = index_at(self.picture.facts, *place)
+            self._place = picture_query.index_at(self.picture.facts, *place)
         self.canvas.mark(None)
         self._show_sample()
 
@@ -400,7 +384,7 @@ class ImageViewer(Viewer):
 
     def _show_sample(self) -> None:
         picture, kept = self.picture, self.kept_side is not None
-        text = sample_text(picture, self._place, kept=kept)
+        text = picture_query.sample_text(picture, self._place, kept=kept)
         self.status.show_more(text)
         before, self._sample = self._sample, None
         if text and self._place and picture is not None and picture.facts.kind == "picture":
@@ -409,10 +393,10 @@ class ImageViewer(Viewer):
                 round(picture.facts.along.at(row)),
                 round(picture.facts.across.at(column)),
             )
-        spectra = self.canvas.below.get(Spectra)
+        spectra = self.canvas.below.get(plots_below.Spectra)
         if self._sample not in (None, before) and not self._pause.isActive():
             self._pause.start()
-        elif self._sample is None and isinstance(spectra, Spectra):
+        elif self._sample is None and isinstance(spectra, plots_below.Spectra):
             spectra.forget_sample()
 
     def _follow_choices(self) -> None:
@@ -435,13 +419,13 @@ class ImageViewer(Viewer):
             self.status.show_text("choose the other wire in the Compare menu")
         self.ask()
 
-    def _placed(self, picture: Picture) -> Picture:
+    def _placed(self, picture: picture_query.Picture) -> picture_query.Picture:
         """A preview where the picture is at full size, if that has been shown."""
         about = self.choices.port, self.choices.mapping
         if picture.reduced == 1:
             self._full = about, picture.facts
         elif self._full is not None and self._full[0] == about:
-            return replace(picture, facts=laid_over(picture.facts, self._full[1]))
+            return replace(picture, facts=picture_facts.laid_over(picture.facts, self._full[1]))
         return picture
 
     def _open_menu(self, point: QPoint) -> None:
@@ -479,7 +463,7 @@ def neighbours(viewer: ImageViewer) -> list[ImageViewer]:
     return sorted(others, key=lambda other: other.number)
 
 
-def _sides_of(choices: PictureQuery, side: KeptSide | None) -> tuple[Sides, str, str]:
+def _sides_of(choices: picture_query.PictureQuery, side: KeptSide | None) -> tuple[Sides, str, str]:
     """Which picture lies where, and the names of the left and the right one."""
     if side is None:
         return "first left", choices.port, choices.other or ""
@@ -488,7 +472,7 @@ def _sides_of(choices: PictureQuery, side: KeptSide | None) -> tuple[Sides, str,
     return "second left", f"A  {side.name}", "B  now"
 
 
-def save_samples(picture: Picture, path: Path) -> None:
+def save_samples(picture: picture_query.Picture, path: Path) -> None:
     """Write the samples, planes in the order of the FFT as the command line writes them."""
     if picture.channels:
         raise UsageError(

@@ -12,14 +12,7 @@ from PySide6.QtGui import QContextMenuEvent, QFont, QFontMetrics, QKeyEvent, QPe
 from PySide6.QtWidgets import QGraphicsScene, QWidget
 
 from app.editor.theme import Theme, theme_of
-from app.editor.viewers.plot.plot_looks import (
-    PlotAxis,
-    bare,
-    entry_pens,
-    paint_axes,
-    see_through,
-    thick,
-)
+from app.editor.viewers.plot import plot_looks
 from app.editor.viewers.plot.plotted_lines import (
     Drawing,
     Line,
@@ -77,7 +70,7 @@ class PlotCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
 
     def show_drawing(self, drawing: Drawing, shown: Collection[str]) -> None:
         before, self.drawing = self.drawing, drawing
-        self.pens = entry_pens(drawing.entries, theme_of(self))
+        self.pens = plot_looks.entry_pens(drawing.entries, theme_of(self))
         alike = len(drawing.panels) == len(before.panels)
         if not alike or bool(drawing.bars) != (self.bars is not None):
             self._make_plots(drawing)
@@ -284,10 +277,10 @@ class CurvePlot(pg.PlotItem):  # type: ignore[misc]
     """Curves by their names, marks of abscissae, and a cursor."""
 
     def __init__(self, theme: Theme, font: QFont) -> None:
-        axes = {side: PlotAxis(side) for side in ("left", "bottom")}
+        axes = {side: plot_looks.PlotAxis(side) for side in ("left", "bottom")}
         super().__init__(axisItems=axes, enableMenu=False)
-        bare(self)
-        paint_axes(self, theme)
+        plot_looks.bare(self)
+        plot_looks.paint_axes(self, theme)
         self.showGrid(x=True, y=True, alpha=0.12)
         self.getAxis("left").setWidth(QFontMetrics(font).averageCharWidth() * 9)
         self.disableAutoRange()
@@ -343,14 +336,14 @@ class CurvePlot(pg.PlotItem):  # type: ignore[misc]
         end = 1.0 if high else 0.0
         line = pg.InfiniteLine(
             angle=90,
-            pen=thick(self._theme.faint_text, 1, Qt.PenStyle.DashLine),
+            pen=plot_looks.thick(self._theme.faint_text, 1, Qt.PenStyle.DashLine),
             label="",
             labelOpts={
                 "position": 0.97 if high else 0.03,
                 "rotateAxis": (1, 0),
                 "anchors": [(end, 1), (end, 1)],
                 "color": self._theme.text,
-                "fill": see_through(self._theme.base, 190),
+                "fill": plot_looks.see_through(self._theme.base, 190),
             },
         )
         line.label.setFont(self._font)
@@ -371,8 +364,8 @@ class BarPlot(pg.PlotItem):  # type: ignore[misc]
 
     def __init__(self, theme: Theme, font: QFont) -> None:
         super().__init__(enableMenu=False)
-        bare(self)
-        paint_axes(self, theme)
+        plot_looks.bare(self)
+        plot_looks.paint_axes(self, theme)
         self.showAxis("right")
         right = self.getAxis("right")
         right.setPen(pg.mkPen(None))

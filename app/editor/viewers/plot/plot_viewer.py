@@ -6,22 +6,9 @@ from functools import partial
 from pathlib import Path
 from typing import get_args
 
+from PySide6 import QtWidgets
 from PySide6.QtCore import QPoint, QSize, Qt, Signal
 from PySide6.QtGui import QAction, QResizeEvent
-from PySide6.QtWidgets import (
-    QComboBox,
-    QDoubleSpinBox,
-    QFrame,
-    QHBoxLayout,
-    QHeaderView,
-    QLineEdit,
-    QMenu,
-    QScrollArea,
-    QStackedWidget,
-    QTableWidgetItem,
-    QVBoxLayout,
-    QWidget,
-)
 
 from app.editor.declared_text import label_of, shown_figure
 from app.editor.evaluation.evaluator import Evaluator
@@ -76,7 +63,7 @@ class PlotViewer(Viewer):
     """Plots the chain, or curves or the table of a port, of the selected node unless pinned."""
 
     def __init__(
-        self, session: Session, evaluator: Evaluator, parent: QWidget | None = None
+        self, session: Session, evaluator: Evaluator, parent: QtWidgets.QWidget | None = None
     ) -> None:
         super().__init__(session, evaluator, "plot_viewer", parent)
         self.setAccessibleName("Plot viewer")
@@ -204,19 +191,19 @@ class PlotViewer(Viewer):
         self.list = labelled(CurveList(self, across=True), f"{self.owner}.curves")
         self.table = labelled(FigureTable(self), f"{self.owner}.table")
         self.status = StatusLine(self.owner, "What is plotted", "Value at the cursor", self)
-        self._curves = QWidget(self)
-        room = QScrollArea(self._curves, widgetResizable=True)  # for many bars
-        room.setFrameShape(QFrame.Shape.NoFrame)
+        self._curves = QtWidgets.QWidget(self)
+        room = QtWidgets.QScrollArea(self._curves, widgetResizable=True)  # for many bars
+        room.setFrameShape(QtWidgets.QFrame.Shape.NoFrame)
         room.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         room.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         room.setWidget(self.canvas)
         parts = ((room, 1), self.list)
-        filled(QVBoxLayout(self._curves), *parts, spacing=2)
+        filled(QtWidgets.QVBoxLayout(self._curves), *parts, spacing=2)
         self.hint = labelled(centred_hint("", self), f"{self.owner}.hint")
-        self._pages = QStackedWidget(self)
+        self._pages = QtWidgets.QStackedWidget(self)
         for page in (self._curves, self.table, self.hint):
             self._pages.addWidget(page)
-        filled(QVBoxLayout(self), self.bar, (self._pages, 1), self.status, spacing=1)
+        filled(QtWidgets.QVBoxLayout(self), self.bar, (self._pages, 1), self.status, spacing=1)
         self.bar.ports.chosen.connect(self._choose_port)
         self.bar.outputs.chosen.connect(self._choose_port)
         self.bar.angle_chosen.connect(self.set_angle)
@@ -258,7 +245,7 @@ class PlotViewer(Viewer):
             offer(menu, "plot.all", "Show all (F)", self.canvas.frame)
         menu.popup(point)
 
-    def _limit(self, menu: QMenu, edit: QLineEdit, along: bool) -> None:
+    def _limit(self, menu: QtWidgets.QMenu, edit: QtWidgets.QLineEdit, along: bool) -> None:
         numbers = _NUMBER.findall(edit.text().replace("\N{MINUS SIGN}", "-"))
         if len(numbers) == 2:
             menu.close()
@@ -353,14 +340,14 @@ _HEADS = ("Name", "Value", "Unit", "Meaning")
 class FigureTable(CopiedTable):
     """Name, value, unit and meaning; tooltip and Ctrl+C give a value in all its digits."""
 
-    def __init__(self, parent: QWidget | None = None) -> None:
+    def __init__(self, parent: QtWidgets.QWidget | None = None) -> None:
         super().__init__(0, len(_HEADS), parent)
         self.setAccessibleName("Figures; Ctrl+C copies them")
         self.list_figures(_HEADS)
         self.setAlternatingRowColors(True)
         self.verticalHeader().setMinimumSectionSize(self.fontMetrics().height() + 6)
         head = self.horizontalHeader()
-        head.setSectionResizeMode(QHeaderView.ResizeMode.ResizeToContents)
+        head.setSectionResizeMode(QtWidgets.QHeaderView.ResizeMode.ResizeToContents)
         head.setStretchLastSection(True)
         copy = QAction("&Copy", self)
         copy.setObjectName("figures.copy")
@@ -385,7 +372,7 @@ class FigureTable(CopiedTable):
             elif isinstance(figure.value, str):
                 shown = figure.value
             for column, text in enumerate((figure.name, shown, figure.unit, figure.meaning)):
-                item = QTableWidgetItem(text)
+                item = QtWidgets.QTableWidgetItem(text)
                 tips = {0: f"{text}: {figure.meaning}", 1: _exact(figure)}
                 item.setToolTip(tips.get(column, text))
                 item.setTextAlignment(RIGHT if column == 1 else LEFT)
@@ -409,12 +396,12 @@ _LETTERS = 14  # of what is plotted, at least
 PARTS = {"mtf": "MTF", "ptf": "PTF", "both": "MTF, PTF"}
 
 
-class PlotBar(QWidget):
+class PlotBar(QtWidgets.QWidget):
     angle_chosen = Signal(float)  # degrees: another direction of the line
     parts_chosen = Signal(str)  # name: "mtf", "ptf" or "both"
     log_chosen = Signal(bool)  # on: whether the ordinate is logarithmic
 
-    def __init__(self, session: Session, owner: str, parent: QWidget) -> None:
+    def __init__(self, session: Session, owner: str, parent: QtWidgets.QWidget) -> None:
         super().__init__(parent)
         self.ports = PortChoice(session, PLOT_TYPES, "Whole chain", self)
         self.ports.setObjectName(f"{owner}.port")
@@ -423,7 +410,7 @@ class PlotBar(QWidget):
         self.outputs = OutputButtons(session, owner, self)
         self._x = tool_button(f"{owner}.x", "x", "Along ξ, across the picture", self)
         self._y = tool_button(f"{owner}.y", "y", "Along η, down the picture", self)
-        self.angle = QDoubleSpinBox(self)
+        self.angle = QtWidgets.QDoubleSpinBox(self)
         self.angle.setObjectName(f"{owner}.angle")
         self.angle.setAccessibleName("Direction of the line, degrees")
         self.angle.setToolTip("Direction of the line: 0 is across the picture, 90 down")
@@ -432,7 +419,7 @@ class PlotBar(QWidget):
         self.angle.setSingleStep(5.0)
         self.angle.setSuffix("°")
         self.angle.setKeyboardTracking(False)
-        self.parts = labelled(QComboBox(self), f"{owner}.parts", "MTF, PTF or both")
+        self.parts = labelled(QtWidgets.QComboBox(self), f"{owner}.parts", "MTF, PTF or both")
         for name, text in PARTS.items():
             self.parts.addItem(text, name)
         self.log = toggle_button(f"{owner}.log", "Log", "Logarithmic ordinate", self)
@@ -472,15 +459,15 @@ class PlotBar(QWidget):
 # Buttons of all that one node has to plot, beside the list of all nodes.
 
 
-class OutputButtons(QWidget):
+class OutputButtons(QtWidgets.QWidget):
     chosen = Signal(str)  # port: the person has chosen one, ``NODE.PORT``
 
-    def __init__(self, session: Session, owner: str, parent: QWidget) -> None:
+    def __init__(self, session: Session, owner: str, parent: QtWidgets.QWidget) -> None:
         super().__init__(parent, accessibleName="Outputs of the plotted node")
         self._session = session
         self._owner = owner
         self.buttons: dict[str, Toggle] = {}
-        self._row = filled(QHBoxLayout(self), spacing=1)
+        self._row = filled(QtWidgets.QHBoxLayout(self), spacing=1)
 
     def show_port(self, port: str | None) -> None:
         by_node = ports_by_node(self._session.network, self._session.library, PLOT_TYPES)
