@@ -4,17 +4,9 @@ from collections.abc import Iterable, Sequence
 from functools import partial
 from typing import Any, NamedTuple
 
+from PySide6 import QtWidgets
 from PySide6.QtCore import QObject, QPoint, Qt, QTimer, Signal
 from PySide6.QtGui import QContextMenuEvent, QFontMetrics, QGuiApplication, QWheelEvent
-from PySide6.QtWidgets import (
-    QButtonGroup,
-    QComboBox,
-    QHBoxLayout,
-    QMenu,
-    QSizePolicy,
-    QVBoxLayout,
-    QWidget,
-)
 
 from app.editor import widgets
 from app.editor.declared_text import (
@@ -109,14 +101,14 @@ class FieldLink(NamedTuple):
     problem: str = ""
 
 
-class Field(QWidget):
+class Field(QtWidgets.QWidget):
     """One parameter on a panel. Holds no value of its own: it shows the document's."""
 
     lines_up = False  # whether its unit stands in one column with those of others
     _faulty = False
 
     def __init__(
-        self, parameter: Parameter, node: PanelNode, parent: QWidget | None = None
+        self, parameter: Parameter, node: PanelNode, parent: QtWidgets.QWidget | None = None
     ) -> None:
         super().__init__(parent)
         self.parameter = parameter
@@ -129,16 +121,20 @@ class Field(QWidget):
         self.setToolTip(tip(f"{self.title}: {about(parameter)}"))
         self.label = widgets.labelled(NameLabel(self.title, self), f"label.{parameter.name}")
         self.label.setTextFormat(Qt.TextFormat.PlainText)
-        self.label.setSizePolicy(QSizePolicy.Policy.Maximum, QSizePolicy.Policy.Preferred)
+        self.label.setSizePolicy(
+            QtWidgets.QSizePolicy.Policy.Maximum, QtWidgets.QSizePolicy.Policy.Preferred
+        )
         self.unit = widgets.plain_label(
             f"unit.{parameter.name}", self, parameter.param.unit, role=FAINT
         )
         self.unit.setWordWrap(False)
         self.message = widgets.plain_label(f"message.{parameter.name}", self, role=ERROR)
         self.message.hide()
-        self.row = QHBoxLayout()
+        self.row = QtWidgets.QHBoxLayout()
         self.row.setSpacing(6)
-        self.column = widgets.filled(QVBoxLayout(self), self.row, margins=(0, 1, 0, 1), spacing=1)
+        self.column = widgets.filled(
+            QtWidgets.QVBoxLayout(self), self.row, margins=(0, 1, 0, 1), spacing=1
+        )
         self.build()
         self.column.addWidget(self.message)
         self._mark_changed()
@@ -185,7 +181,7 @@ class Field(QWidget):
         font.setBold(True)
         return QFontMetrics(font).horizontalAdvance(self.label.text()) + 2
 
-    def named(self, widget: QWidget, what: str = "", name: str = "") -> None:
+    def named(self, widget: QtWidgets.QWidget, what: str = "", name: str = "") -> None:
         unit = f" in {self.parameter.param.unit}" if self.parameter.param.unit else ""
         widgets.labelled(
             widget, f"{name or 'value'}.{self.parameter.name}", f"{self.title}{unit}{what}"
@@ -259,7 +255,7 @@ class Field(QWidget):
     def open_menu(self, at: QPoint) -> None:
         edit = self.focusWidget()
         if isinstance(edit, TypeIn) and edit.hasFocus():
-            menu: QMenu = edit.createStandardContextMenu()
+            menu: QtWidgets.QMenu = edit.createStandardContextMenu()
             menu.setParent(self, menu.windowFlags())
             menu.addSeparator()
         else:
@@ -269,7 +265,7 @@ class Field(QWidget):
         self._fill(menu)
         menu.popup(at)
 
-    def _fill(self, menu: QMenu) -> None:
+    def _fill(self, menu: QtWidgets.QMenu) -> None:
         parameter, node = self.parameter, self.node
         if parameter.kind in ("number", "integer"):
             trade_off = partial(node.requests.trade_off.emit, node.name, parameter.name)
@@ -314,7 +310,7 @@ class Field(QWidget):
         self.discard_typing()
         self.node.put(self.parameter.name, ABSENT)
 
-    def add_link_actions(self, menu: QMenu) -> None:
+    def add_link_actions(self, menu: QtWidgets.QMenu) -> None:
         """Offer to follow other parameters, or to stop; only of numbers."""
 
     def _settle(self) -> None:
@@ -334,7 +330,7 @@ class Field(QWidget):
             label.setFont(font)
         label.setForegroundRole(ERROR if self._faulty else CHANGED if self.changed else TEXT)
 
-    def marked_label(self) -> QWidget:
+    def marked_label(self) -> QtWidgets.QWidget:
         return self.label
 
     def _show_problem(self, text: str) -> None:
@@ -384,7 +380,7 @@ class ButtonsField(Field):
         self.row.addLayout(flow, 1)
         self.row.addWidget(self.unit)
         self.unit.setVisible(bool(self.parameter.param.unit))
-        self.group = QButtonGroup(self)
+        self.group = QtWidgets.QButtonGroup(self)
         self.buttons: list[widgets.Radio] = []
         for number, choice in enumerate(self.choices):
             button = widgets.Radio(choice_text(choice), self)
@@ -417,7 +413,7 @@ class ButtonsField(Field):
             self.offer(self.choices[number])
 
 
-class ChoiceBox(QComboBox):
+class ChoiceBox(QtWidgets.QComboBox):
     """A list that the wheel scrolls past, unless it has the focus."""
 
     def wheelEvent(self, event: QWheelEvent) -> None:
@@ -434,11 +430,13 @@ class ListField(Field):
         self.box.addItems([choice_text(choice) for choice in self.choices])
         self.box.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.box.setSizeAdjustPolicy(
-            QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon
+            QtWidgets.QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon
         )
         longest = max(len(self.box.itemText(n)) for n in range(self.box.count()))
         self.box.setMinimumContentsLength(min(longest, MOST_LETTERS))
-        self.box.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
+        self.box.setSizePolicy(
+            QtWidgets.QSizePolicy.Policy.Expanding, QtWidgets.QSizePolicy.Policy.Fixed
+        )
         self.named(self.box)
         self.label.setBuddy(self.box)
         self.box.activated.connect(lambda number: self.offer(self.choices[number]))
@@ -464,7 +462,7 @@ class SwitchField(Field):
         self.row.addWidget(self.box)
         self.row.addStretch()
 
-    def marked_label(self) -> QWidget:
+    def marked_label(self) -> QtWidgets.QWidget:
         return self.box
 
     def show_value(self, value: Any) -> None:

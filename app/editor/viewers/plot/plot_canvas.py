@@ -12,16 +12,7 @@ from PySide6.QtGui import QContextMenuEvent, QFont, QFontMetrics, QKeyEvent, QPe
 from PySide6.QtWidgets import QGraphicsScene, QWidget
 
 from app.editor.theme import Theme, theme_of
-from app.editor.viewers.plot import plot_looks
-from app.editor.viewers.plot.plotted_lines import (
-    Drawing,
-    Line,
-    Panel,
-    Vector,
-    same_points,
-    value_at,
-    y_range,
-)
+from app.editor.viewers.plot import plot_looks, plotted_lines
 from core.chain.wires import CurveMark
 
 _Range = tuple[float, float]
@@ -43,7 +34,7 @@ class PlotCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         self.setAccessibleName("Curves")
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.ci.layout.setContentsMargins(2, 4, 6, 2)
-        self.drawing = Drawing("")
+        self.drawing = plotted_lines.Drawing("")
         self.shown: frozenset[str] = frozenset()
         self.pens: dict[str, QPen] = {}
         self.framed = True
@@ -68,7 +59,7 @@ class PlotCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
             self._take_colours()
             self.recoloured.emit()
 
-    def show_drawing(self, drawing: Drawing, shown: Collection[str]) -> None:
+    def show_drawing(self, drawing: plotted_lines.Drawing, shown: Collection[str]) -> None:
         before, self.drawing = self.drawing, drawing
         self.pens = plot_looks.entry_pens(drawing.entries, theme_of(self))
         alike = len(drawing.panels) == len(before.panels)
@@ -143,7 +134,7 @@ class PlotCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
             return
         event.accept()
 
-    def _make_plots(self, drawing: Drawing) -> None:
+    def _make_plots(self, drawing: plotted_lines.Drawing) -> None:
         self._read_nothing()
         self.ci.clear()
         self.setMinimumHeight(0)
@@ -186,7 +177,7 @@ class PlotCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
 
     def _whole(self) -> _Ranges:
         """Abscissae of all panels, and ordinates of each, that show all of the curves."""
-        ordinates = tuple(y_range(panel, self.shown) for panel in self.drawing.panels)
+        ordinates = tuple(plotted_lines.y_range(panel, self.shown) for panel in self.drawing.panels)
         return self.drawing.x_range, ordinates
 
     def _frame(self, whole: _Ranges) -> None:
@@ -221,17 +212,17 @@ class PlotCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
                     return
         self._read_nothing()
 
-    def _nearest(self, index: int, x: float, height: float) -> Line | None:
+    def _nearest(self, index: int, x: float, height: float) -> plotted_lines.Line | None:
         box, panel = self.plots[index].getViewBox(), self.drawing.panels[index]
-        far: dict[float, Line] = {}
+        far: dict[float, plotted_lines.Line] = {}
         for line in self._lines(index):
-            value = value_at(line, self.drawing.x_at(x))
+            value = plotted_lines.value_at(line, self.drawing.x_at(x))
             drawn = math.nan if value is None else float(panel.drawn(np.array(value)))
             if math.isfinite(drawn):
                 far[abs(box.mapViewToScene(QPointF(x, drawn)).y() - height)] = line
         return far[min(far)] if far else None
 
-    def _lines(self, index: int) -> list[Line]:
+    def _lines(self, index: int) -> list[plotted_lines.Line]:
         return [line for line in self.drawing.panels[index].lines if line.name in self.shown]
 
     def _step(self, sideways: int, lines: int) -> None:
@@ -248,7 +239,7 @@ class PlotCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
     def _read(self, index: int, x: float, name: str) -> None:
         line = next((line for line in self._lines(index) if line.name == name), None)
         place = self.drawing.x_at(x)
-        value = None if line is None else value_at(line, place)
+        value = None if line is None else plotted_lines.value_at(line, place)
         if value is None:
             self._read_nothing()
             return
@@ -292,7 +283,11 @@ class CurvePlot(pg.PlotItem):  # type: ignore[misc]
         self._theme, self._font = theme, QFont(font)
 
     def show_lines(
-        self, drawing: Drawing, panel: Panel, shown: Collection[str], pens: Mapping[str, QPen]
+        self,
+        drawing: plotted_lines.Drawing,
+        panel: plotted_lines.Panel,
+        shown: Collection[str],
+        pens: Mapping[str, QPen],
     ) -> None:
         """Draw what is not there already: of a chain's curves an edit changes one or two."""
         behind = {
@@ -311,7 +306,7 @@ class CurvePlot(pg.PlotItem):  # type: ignore[misc]
             curve.setZValue(behind[line.name] + 1e-3 * number)
             curve.setVisible(line.name in shown)
             x, y = drawing.drawn_x(line.x), panel.drawn(line.y)
-            if not same_points((curve.xData, curve.yData), (x, y)):
+            if not plotted_lines.same_points((curve.xData, curve.yData), (x, y)):
                 curve.setData(x, y, connect="finite")
 
     def show_marks(self, marks: Sequence[CurveMark], *, named: bool) -> None:
@@ -378,14 +373,16 @@ class BarPlot(pg.PlotItem):  # type: ignore[misc]
         self.getAxis("bottom").setTicks([])
         self._metrics = QFontMetrics(font)
         self._zero = self.addLine(x=0.0, pen=theme.line)
-        self._shown: tuple[Drawing, Collection[str], Mapping[str, QPen]] | None = None
+        self._shown: tuple[plotted_lines.Drawing, Collection[str], Mapping[str, QPen]] | None = None
         self._names: list[str] = []
         self.least_height = 0
         self.description = ""
         self.bars: list[pg.BarGraphItem] = []
         self.getViewBox().sigResized.connect(self._lay)
 
-    def show_bars(self, drawing: Drawing, shown: Collection[str], pens: Mapping[str, QPen]) -> None:
+    def show_bars(
+        self, drawing: plotted_lines.Drawing, shown: Collection[str], pens: Mapping[str, QPen]
+    ) -> None:
         self._shown = drawing, shown, pens
         self._lay()
 
@@ -441,14 +438,14 @@ class BarPlot(pg.PlotItem):  # type: ignore[misc]
         )
 
 
-def _padded(heights: Vector, count: int) -> Vector:
+def _padded(heights: plotted_lines.Vector, count: int) -> plotted_lines.Vector:
     """A height for each name, NaN where there is none."""
     padded = np.full(count, np.nan)
     padded[: len(heights)] = heights[:count]
     return padded
 
 
-def _range(drawn: list[Vector], log: bool) -> tuple[float, float, float]:
+def _range(drawn: list[plotted_lines.Vector], log: bool) -> tuple[float, float, float]:
     """Ends of the scale, and where bars begin: at 0, of logarithms at the decade below all."""
     finite = np.concatenate([values[np.isfinite(values)] for values in drawn] or [np.zeros(0)])
     if log:
@@ -460,7 +457,7 @@ def _range(drawn: list[Vector], log: bool) -> tuple[float, float, float]:
     return (low, high, 0.0) if high > low else (0.0, 1.0, 0.0)
 
 
-def _each_alone(lines: Sequence[Vector]) -> bool:
+def _each_alone(lines: Sequence[plotted_lines.Vector]) -> bool:
     """Whether each bar belongs to one line, as of temporal and fixed noise a source makes one."""
     return len(lines) > 1 and bool((np.count_nonzero(lines, axis=0) <= 1).all())
 

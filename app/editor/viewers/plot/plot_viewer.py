@@ -10,11 +10,13 @@ from PySide6 import QtWidgets
 from PySide6.QtCore import QPoint, QSize, Qt, Signal
 from PySide6.QtGui import QAction, QResizeEvent
 
+from app.editor import widgets
 from app.editor.declared_text import label_of, shown_figure
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.queries import Answer, Query
 from app.editor.panels.fields.field_menu import line_in_menu, offer
 from app.editor.session import Session
+from app.editor.viewers import viewer
 from app.editor.viewers.plot.plot_canvas import PlotCanvas
 from app.editor.viewers.plot.plot_export import Data, csv_text, plot_menu, save_plot
 from app.editor.viewers.plot.plot_looks import CurveList
@@ -28,26 +30,6 @@ from app.editor.viewers.plot.plotted_lines import (
     transfer_drawing,
     with_kept,
 )
-from app.editor.viewers.viewer import (
-    PLOT_TYPES,
-    PortChoice,
-    StatusLine,
-    Viewer,
-    followed,
-    ports_by_node,
-)
-from app.editor.widgets import (
-    LEFT,
-    RIGHT,
-    CopiedTable,
-    FlowLayout,
-    Toggle,
-    centred_hint,
-    filled,
-    labelled,
-    toggle_button,
-    tool_button,
-)
 from app.run.terminal import number_text
 from core.chain.wires import CurveData, TableData, TableRow
 from core.errors import UsageError, several
@@ -59,7 +41,7 @@ _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 _NARROW = 75  # characters; a narrower viewer leaves the meanings of figures out
 
 
-class PlotViewer(Viewer):
+class PlotViewer(viewer.Viewer):
     """Plots the chain, or curves or the table of a port, of the selected node unless pinned."""
 
     def __init__(
@@ -95,7 +77,9 @@ class PlotViewer(Viewer):
         if declared is None:
             return
         outputs = {f"{name}.{port.name}": port.types[0] for port in declared.outputs}
-        own = ports_by_node(self.session.network, self.session.library, PLOT_TYPES).get(name, ())
+        own = viewer.ports_by_node(
+            self.session.network, self.session.library, viewer.PLOT_TYPES
+        ).get(name, ())
         curves = [port for port in own if outputs[port] == "curve"]
         before, self._node = self._node, name
         if curves or "transfer" in outputs.values() or own:
@@ -170,7 +154,7 @@ class PlotViewer(Viewer):
             self.look_at(None)
         if port is None:
             return
-        moved = followed(port, before, after) or port
+        moved = viewer.followed(port, before, after) or port
         gone = moved.rpartition(".")[0] not in after.nodes
         self._lost = moved if gone else None
         now = None if gone else moved
@@ -187,10 +171,10 @@ class PlotViewer(Viewer):
 
     def _build(self) -> None:
         self.bar = PlotBar(self.session, self.owner, self)
-        self.canvas = labelled(PlotCanvas(self), f"{self.owner}.canvas")
-        self.list = labelled(CurveList(self, across=True), f"{self.owner}.curves")
-        self.table = labelled(FigureTable(self), f"{self.owner}.table")
-        self.status = StatusLine(self.owner, "What is plotted", "Value at the cursor", self)
+        self.canvas = widgets.labelled(PlotCanvas(self), f"{self.owner}.canvas")
+        self.list = widgets.labelled(CurveList(self, across=True), f"{self.owner}.curves")
+        self.table = widgets.labelled(FigureTable(self), f"{self.owner}.table")
+        self.status = viewer.StatusLine(self.owner, "What is plotted", "Value at the cursor", self)
         self._curves = QtWidgets.QWidget(self)
         room = QtWidgets.QScrollArea(self._curves, widgetResizable=True)  # for many bars
         room.setFrameShape(QtWidgets.QFrame.Shape.NoFrame)
@@ -198,12 +182,14 @@ class PlotViewer(Viewer):
         room.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         room.setWidget(self.canvas)
         parts = ((room, 1), self.list)
-        filled(QtWidgets.QVBoxLayout(self._curves), *parts, spacing=2)
-        self.hint = labelled(centred_hint("", self), f"{self.owner}.hint")
+        widgets.filled(QtWidgets.QVBoxLayout(self._curves), *parts, spacing=2)
+        self.hint = widgets.labelled(widgets.centred_hint("", self), f"{self.owner}.hint")
         self._pages = QtWidgets.QStackedWidget(self)
         for page in (self._curves, self.table, self.hint):
             self._pages.addWidget(page)
-        filled(QtWidgets.QVBoxLayout(self), self.bar, (self._pages, 1), self.status, spacing=1)
+        widgets.filled(
+            QtWidgets.QVBoxLayout(self), self.bar, (self._pages, 1), self.status, spacing=1
+        )
         self.bar.ports.chosen.connect(self._choose_port)
         self.bar.outputs.chosen.connect(self._choose_port)
         self.bar.angle_chosen.connect(self.set_angle)
@@ -337,7 +323,7 @@ class PlotViewer(Viewer):
 _HEADS = ("Name", "Value", "Unit", "Meaning")
 
 
-class FigureTable(CopiedTable):
+class FigureTable(widgets.CopiedTable):
     """Name, value, unit and meaning; tooltip and Ctrl+C give a value in all its digits."""
 
     def __init__(self, parent: QtWidgets.QWidget | None = None) -> None:
@@ -375,7 +361,7 @@ class FigureTable(CopiedTable):
                 item = QtWidgets.QTableWidgetItem(text)
                 tips = {0: f"{text}: {figure.meaning}", 1: _exact(figure)}
                 item.setToolTip(tips.get(column, text))
-                item.setTextAlignment(RIGHT if column == 1 else LEFT)
+                item.setTextAlignment(widgets.RIGHT if column == 1 else widgets.LEFT)
                 self.setItem(row, column, item)
         self.resizeRowsToContents()
 
@@ -403,13 +389,13 @@ class PlotBar(QtWidgets.QWidget):
 
     def __init__(self, session: Session, owner: str, parent: QtWidgets.QWidget) -> None:
         super().__init__(parent)
-        self.ports = PortChoice(session, PLOT_TYPES, "Whole chain", self)
+        self.ports = viewer.PortChoice(session, viewer.PLOT_TYPES, "Whole chain", self)
         self.ports.setObjectName(f"{owner}.port")
         self.ports.setAccessibleName("What is plotted")
         self.ports.setPlaceholderText("No curves")
         self.outputs = OutputButtons(session, owner, self)
-        self._x = tool_button(f"{owner}.x", "x", "Along ξ, across the picture", self)
-        self._y = tool_button(f"{owner}.y", "y", "Along η, down the picture", self)
+        self._x = widgets.tool_button(f"{owner}.x", "x", "Along ξ, across the picture", self)
+        self._y = widgets.tool_button(f"{owner}.y", "y", "Along η, down the picture", self)
         self.angle = QtWidgets.QDoubleSpinBox(self)
         self.angle.setObjectName(f"{owner}.angle")
         self.angle.setAccessibleName("Direction of the line, degrees")
@@ -419,19 +405,23 @@ class PlotBar(QtWidgets.QWidget):
         self.angle.setSingleStep(5.0)
         self.angle.setSuffix("°")
         self.angle.setKeyboardTracking(False)
-        self.parts = labelled(QtWidgets.QComboBox(self), f"{owner}.parts", "MTF, PTF or both")
+        self.parts = widgets.labelled(
+            QtWidgets.QComboBox(self), f"{owner}.parts", "MTF, PTF or both"
+        )
         for name, text in PARTS.items():
             self.parts.addItem(text, name)
-        self.log = toggle_button(f"{owner}.log", "Log", "Logarithmic ordinate", self)
-        self.pin = toggle_button(
+        self.log = widgets.toggle_button(f"{owner}.log", "Log", "Logarithmic ordinate", self)
+        self.pin = widgets.toggle_button(
             f"{owner}.pin", "Pin", "Keep these curves when another node is selected", self
         )
-        self.fit = tool_button(f"{owner}.fit", "Fit", "Show the whole plot (F or 0)", self)
+        self.fit = widgets.tool_button(f"{owner}.fit", "Fit", "Show the whole plot (F or 0)", self)
         self._of_chain = (self._x, self._y, self.angle, self.parts)
         self.ports.setMinimumContentsLength(_LETTERS)
-        flow = FlowLayout(self, across=3, down=2)  # a bar in one row would hold the dock wide
+        flow = widgets.FlowLayout(
+            self, across=3, down=2
+        )  # a bar in one row would hold the dock wide
         parts = (self.ports, self.pin, self.outputs, *self._of_chain, self.log, self.fit)
-        filled(flow, *parts, margins=(2, 2, 2, 0))
+        widgets.filled(flow, *parts, margins=(2, 2, 2, 0))
         self._x.clicked.connect(lambda: self.angle.setValue(0.0))
         self._y.clicked.connect(lambda: self.angle.setValue(90.0))
         self.angle.valueChanged.connect(self.angle_chosen)
@@ -466,11 +456,13 @@ class OutputButtons(QtWidgets.QWidget):
         super().__init__(parent, accessibleName="Outputs of the plotted node")
         self._session = session
         self._owner = owner
-        self.buttons: dict[str, Toggle] = {}
-        self._row = filled(QtWidgets.QHBoxLayout(self), spacing=1)
+        self.buttons: dict[str, widgets.Toggle] = {}
+        self._row = widgets.filled(QtWidgets.QHBoxLayout(self), spacing=1)
 
     def show_port(self, port: str | None) -> None:
-        by_node = ports_by_node(self._session.network, self._session.library, PLOT_TYPES)
+        by_node = viewer.ports_by_node(
+            self._session.network, self._session.library, viewer.PLOT_TYPES
+        )
         ports = by_node.get((port or "").rpartition(".")[0], ())
         ports = ports if len(ports) > 1 else ()
         if ports != tuple(self.buttons):
@@ -482,9 +474,11 @@ class OutputButtons(QtWidgets.QWidget):
             self.buttons[port].setChecked(True)
         self.setVisible(bool(ports))
 
-    def _button(self, port: str) -> Toggle:
+    def _button(self, port: str) -> widgets.Toggle:
         name = port.rpartition(".")[2]
-        button = toggle_button(f"{self._owner}.output.{name}", label_of(name), f"Show {port}", self)
+        button = widgets.toggle_button(
+            f"{self._owner}.output.{name}", label_of(name), f"Show {port}", self
+        )
         button.setAutoExclusive(True)
         button.clicked.connect(partial(self.chosen.emit, port))
         self._row.addWidget(button)
