@@ -28,7 +28,7 @@ _CLICK_MS = 250  # after which it is seen again whether a button is still down
 class TitleBar(QWidget):
     folded = Signal(bool)  # on: whether all below is to be hidden
 
-    def __init__(self, title: str, parent: QWidget | None = None) -> None:
+    def __init__(self, title: str, parent: QWidget) -> None:
         super().__init__(parent)
         self.row = widgets.filled(QHBoxLayout(self), margins=(4, 3, 4, 3), spacing=2)
         self.fold = self.add_button(
@@ -79,7 +79,7 @@ class PanelHead(QWidget):
     _room = 0, 0  # width of the place, and height that what is wrong has taken in it
     _most = 0  # dots that the illustration may be high
 
-    def __init__(self, title: str, group: str, text: str, parent: QWidget | None = None) -> None:
+    def __init__(self, title: str, group: str, text: str, parent: QWidget) -> None:
         super().__init__(parent)
         self._module, self._group = title, group
         self._released = QTimer(self, singleShot=True, interval=_CLICK_MS)

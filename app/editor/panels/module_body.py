@@ -8,7 +8,6 @@ from typing import Any, ClassVar
 from PySide6.QtCore import QEvent, Qt
 from PySide6.QtGui import QPalette, QResizeEvent
 from PySide6.QtWidgets import (
-    QFormLayout,
     QFrame,
     QGridLayout,
     QLabel,
@@ -21,7 +20,7 @@ from PySide6.QtWidgets import (
 
 from app.editor import widgets
 from app.editor.declared_text import label_of, shown_figure, tip
-from app.editor.evaluation.evaluator import Evaluator, Freshness
+from app.editor.evaluation.evaluator import Freshness
 from app.editor.evaluation.queries import Answer, Passing, Query
 from app.editor.panels.fields.field import (
     MOST_BUTTONS,
@@ -37,7 +36,6 @@ from app.editor.panels.fields.field import (
 )
 from app.editor.panels.fields.field_menu import offer
 from app.editor.panels.fields.number import NumberField, PathField
-from app.editor.session import Session
 from app.editor.theme import CHANGED, FAINT, TEXT, set_ink, theme_of
 from app.editor.viewers.viewer import PLOT_TYPES, VIEWER_NUMBERS, Viewer
 from app.editor.widgets import (
@@ -54,32 +52,25 @@ from core.records import dataclass
 
 
 class ModuleBody(QWidget):
-    def __init__(
-        self,
-        declaration: Declaration,
-        panel_node: PanelNode,
-        evaluator: Evaluator,
-        parent: QWidget | None = None,
-    ) -> None:
+    def __init__(self, declaration: Declaration, node: PanelNode, parent: QWidget) -> None:
         super().__init__(parent)
         self.setObjectName("body")
-        session, node = panel_node.session, panel_node.name
-        self._session = session
-        self._node = node
+        self._session = node.session
+        self._node = node.name
         self._valued: Node | None = None
-        self.sections = SectionsView(declaration, panel_node, self)
-        session.free.changed.connect(self._mark_free)
+        self.sections = SectionsView(declaration, node, self)
+        node.session.free.changed.connect(self._mark_free)
         self._mark_free()
         self._column = widgets.filled(
             QVBoxLayout(self), self.sections, margins=(8, 4, 8, 8), spacing=4
         )
-        self.readouts = ReadoutsView(declaration, node, evaluator, session, self)
+        self.readouts = ReadoutsView(declaration, node, self)
         if declaration.readouts:
             self._titled(self.readouts.title, self.readouts)
         else:
             self.readouts.hide()
             self.readouts.title.hide()
-        self.ports = PortsView(declaration, panel_node, self)
+        self.ports = PortsView(declaration, node, self)
         self._titled(QLabel("Ports", self), self.ports)
 
     def follow(self, before: Network | None, after: Network) -> None:
@@ -107,9 +98,7 @@ class ModuleBody(QWidget):
 class PortsView(QWidget):
     """The ports of a node, each with a button that shows it."""
 
-    def __init__(
-        self, declaration: Declaration, node: PanelNode, parent: QWidget | None = None
-    ) -> None:
+    def __init__(self, declaration: Declaration, node: PanelNode, parent: QWidget) -> None:
         super().__init__(parent)
         self.setObjectName("ports")
         self._node = node
@@ -183,7 +172,7 @@ class PortsView(QWidget):
 class UnknownBody(QWidget):
     """Of a module that is not in the library: the parameters as the file has them, and why."""
 
-    def __init__(self, module: str, node: str, why: str, parent: QWidget | None = None) -> None:
+    def __init__(self, module: str, node: str, why: str, parent: QWidget) -> None:
         super().__init__(parent)
         self.setObjectName("body")
         self._node = node
@@ -194,20 +183,16 @@ class UnknownBody(QWidget):
             "is kept and saved with these parameters, but computes nothing.",
             role=CHANGED,
         )
-        self._form = QFormLayout()
-        widgets.filled(QVBoxLayout(self), self.note, self._form, margins=(8, 4, 8, 8))
+        self.raw = widgets.plain_label("raw", self)
+        self.raw.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        widgets.filled(QVBoxLayout(self), self.note, self.raw, margins=(8, 4, 8, 8))
 
-    def follow(self, before: Network | None, after: Network) -> None:
-        node = after.nodes[self._node]
-        if before is not None and before.nodes.get(self._node) is node:
-            return
-        while self._form.rowCount():
-            self._form.removeRow(0)
-        for name, value in sorted(node.params.items()):
+    def follow(self, _before: Network | None, after: Network) -> None:
+        rows = []
+        for name, value in sorted(after.nodes[self._node].params.items()):
             text = value if isinstance(value, str) else json.dumps(thaw(value), ensure_ascii=False)
-            label = widgets.plain_label(f"raw.{name}", self, text)
-            label.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
-            self._form.addRow(widgets.plain_label("", self, name), label)
+            rows.append(f"{name}: {text}")
+        self.raw.setText("\n".join(rows))
 
 
 _LABEL_SHARE = 0.4  # of the width, for long names, however little is left
@@ -216,9 +201,7 @@ _AT_FIRST = 340  # dots that a panel is wide, until it is laid out
 
 
 class SectionsView(QWidget):
-    def __init__(
-        self, declaration: Declaration, node: PanelNode, parent: QWidget | None = None
-    ) -> None:
+    def __init__(self, declaration: Declaration, node: PanelNode, parent: QWidget) -> None:
         super().__init__(parent)
         self.setObjectName("sections")
         self._declaration = declaration
@@ -399,17 +382,10 @@ class ReadoutsView(Viewer):
 
     _is_held_back = False
 
-    def __init__(
-        self,
-        declaration: Declaration,
-        node: str,
-        evaluator: Evaluator,
-        session: Session,
-        parent: QWidget | None = None,
-    ) -> None:
-        super().__init__(session, evaluator, f"panel.readouts.{id(self):x}", parent)
+    def __init__(self, declaration: Declaration, node: PanelNode, parent: QWidget | None) -> None:
+        super().__init__(node.session, node.evaluator, f"panel.readouts.{id(self):x}", parent)
         self.setObjectName("readouts")
-        self.query = ReadoutsQuery(node)
+        self.query = ReadoutsQuery(node.name)
         self.values: dict[str, ReadoutValue] = {}
         self.units: dict[str, QLabel] = {}
         self._meanings: dict[str, str] = {}
@@ -432,7 +408,7 @@ class ReadoutsView(Viewer):
             value.setAccessibleName(_spoken(readout.name, readout.unit))
         self.title = QLabel(TITLE, self)
         self.title.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
-        self._freshness = Freshness(session, evaluator, self)
+        self._freshness = Freshness(node.session, node.evaluator, self)
         self._freshness.changed.connect(self._mark)
 
     @property

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
@@ -49,10 +49,8 @@ class PanelArea(WheelScrollArea):
 
     illustrations_changed = Signal(object)  # (illustrations)
 
-    def __init__(
-        self, session: Session, evaluator: Evaluator, parent: QtWidgets.QWidget | None = None
-    ) -> None:
-        super().__init__(parent)
+    def __init__(self, session: Session, evaluator: Evaluator) -> None:
+        super().__init__()
         labelled(self, "panels", "control panels")
         self.setFrameShape(QtWidgets.QFrame.Shape.NoFrame)
         self.setWidgetResizable(True)
@@ -60,7 +58,7 @@ class PanelArea(WheelScrollArea):
         # A bar that comes and goes would move the buttons of the heads.
         self.setVerticalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOn)
         self._session = session
-        self._evaluator = evaluator
+        self.evaluator = evaluator
         self.requests = Requests(self)
         self.requests.close.connect(self._close)
         self.requests.illustrated.connect(self._illustrate)
@@ -170,10 +168,8 @@ class PanelArea(WheelScrollArea):
         return [name for name in self.panels if name not in wanted]
 
     def _make(self, name: str) -> NodePanel:
-        of = PanelNode(self._session, name, self.requests)
-        panel = NodePanel(
-            of, self._evaluator, self.widget(), self.sets_folder, illustrations=self.illustrations
-        )
+        of = PanelNode(self._session, self.evaluator, name, self.requests)
+        panel = NodePanel(of, self)
         panel.head.fit(self.viewport().height())
         panel.set_badge(self._badges.get(name))
         self.panels[name] = panel
@@ -195,7 +191,7 @@ class PanelArea(WheelScrollArea):
 
 
 class NetworkPanel(QtWidgets.QFrame):
-    def __init__(self, session: Session, parent: QtWidgets.QWidget | None = None) -> None:
+    def __init__(self, session: Session, parent: QtWidgets.QWidget) -> None:
         super().__init__(parent)
         labelled(self, "panel.network", "control panel of the network")
         self.setFrameShape(QtWidgets.QFrame.Shape.StyledPanel)
@@ -285,7 +281,7 @@ class Words(QtWidgets.QPlainTextEdit):
 
     committed = Signal(str)
 
-    def __init__(self, parent: QtWidgets.QWidget | None = None) -> None:
+    def __init__(self, parent: QtWidgets.QWidget) -> None:
         super().__init__(parent, tabChangesFocus=True)
         self.setMinimumHeight(self.fontMetrics().height() * 5)
 
@@ -307,16 +303,8 @@ class Words(QtWidgets.QPlainTextEdit):
 class NodePanel(QtWidgets.QFrame):
     """Head and body of a node's panel, which holds no part of the document itself."""
 
-    def __init__(
-        self,
-        of: PanelNode,
-        evaluator: Evaluator,
-        parent: QtWidgets.QWidget | None = None,
-        sets_folder: Path | None = None,
-        *,
-        illustrations: Collection[str] = (),
-    ) -> None:
-        super().__init__(parent)
+    def __init__(self, of: PanelNode, area: PanelArea) -> None:
+        super().__init__(area.widget())
         self._of, self._session = of, of.session
         session, node = of.session, of.name
         self.setFrameShape(QtWidgets.QFrame.Shape.StyledPanel)
@@ -333,10 +321,10 @@ class NodePanel(QtWidgets.QFrame):
             module = session.library.get(declared.key)  # a macro is of none
             query = preview_query(module, node) if module is not None else None
             if query is not None:
-                preview = PreviewView(session, evaluator, node, self.head.place)
+                preview = PreviewView(session, of.evaluator, node, self.head.place)
                 at_first = getattr(query, "part", "") != "mtf"  # which stands among the curves
-                self.head.illustrate(preview, shown=at_first != (self.module in illustrations))
-            self.body = ModuleBody(declared, of, evaluator, self)
+                self.head.illustrate(preview, shown=at_first != (self.module in area.illustrations))
+            self.body = ModuleBody(declared, of, self)
         else:
             self.head = PanelHead(title, "", "", self)
             why = where_absent(self.module, session.library)
@@ -344,11 +332,11 @@ class NodePanel(QtWidgets.QFrame):
             for button in (self.head.auto, self.head.disable, self.head.generate, self.head.output):
                 button.setEnabled(False)
         filled(QtWidgets.QVBoxLayout(self), self.head, self.body, spacing=0)
-        keeps = sets_folder is not None and declared is not None and declared.key != MACRO
+        keeps = area.sets_folder is not None and declared is not None and declared.key != MACRO
         self.head.sets.setVisible(keeps and bool(declared and declared.parameters))
         self._connect()
-        if sets_folder is not None:
-            self.sets_menu = SetsMenu(of, sets_folder, self.head.sets, self.head.bar.actions())
+        if area.sets_folder is not None:
+            self.sets_menu = SetsMenu(of, area.sets_folder, self.head.sets, self.head.bar.actions())
         self.follow(None, session.network)
 
     def _connect(self) -> None:

@@ -18,6 +18,7 @@ from app.editor.declared_text import (
     shown_value,
     tip,
 )
+from app.editor.evaluation.evaluator import Evaluator
 from app.editor.panels.fields.field_menu import (
     add_fit_action,
     add_macro_actions,
@@ -53,6 +54,7 @@ class Requests(QObject):
 @dataclass(frozen=True)
 class PanelNode:
     session: Session
+    evaluator: Evaluator
     name: str
     requests: Requests
 
@@ -107,9 +109,7 @@ class Field(QtWidgets.QWidget):
     lines_up = False  # whether its unit stands in one column with those of others
     _faulty = False
 
-    def __init__(
-        self, parameter: Parameter, node: PanelNode, parent: QtWidgets.QWidget | None = None
-    ) -> None:
+    def __init__(self, parameter: Parameter, node: PanelNode, parent: QtWidgets.QWidget) -> None:
         super().__init__(parent)
         self.parameter = parameter
         self.node = node

@@ -245,7 +245,7 @@ class Slider(QSlider):
     typed = Signal(str)  # what a number begins with: Tab leads from a field to the next slider
     _held = False
 
-    def __init__(self, positions: int, parent: QWidget | None = None) -> None:
+    def __init__(self, positions: int, parent: QWidget) -> None:
         super().__init__(Qt.Orientation.Horizontal, parent)
         self.setRange(0, positions)
         self.setPageStep(max(1, positions // 10))

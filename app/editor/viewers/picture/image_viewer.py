@@ -53,10 +53,8 @@ class KeptSide:
 class ImageViewer(Viewer):
     """Shows one wire, or two compared, or one as it is beside what was kept of it."""
 
-    def __init__(
-        self, session: Session, evaluator: Evaluator, number: int, parent: QWidget | None = None
-    ) -> None:
-        super().__init__(session, evaluator, f"image_viewer.{number}", parent)
+    def __init__(self, session: Session, evaluator: Evaluator, number: int) -> None:
+        super().__init__(session, evaluator, f"image_viewer.{number}")
         self.number = number
         self.window_actions: tuple[QAction, ...] = ()
         self.by_hand = False

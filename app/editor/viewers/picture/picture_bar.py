@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 import pyqtgraph as pg
 from numpy.typing import NDArray
-from PySide6.QtCore import QEvent, QObject, QSignalBlocker, Qt, QTimer, Signal
+from PySide6.QtCore import QObject, QSignalBlocker, Qt, QTimer, Signal
 from PySide6.QtGui import QAction, QActionGroup, QPainter
-from PySide6.QtWidgets import QComboBox, QHBoxLayout, QLabel, QMenu, QSlider, QWidget
+from PySide6.QtWidgets import QComboBox, QHBoxLayout, QMenu, QSlider, QWidget
 
 from app.editor.session import Session
-from app.editor.theme import FAINT, Theme, set_ink, theme_of
+from app.editor.theme import FAINT, Theme
 from app.editor.viewers.picture.picture_facts import (
     ALL,
     CHANNELS,
@@ -148,7 +148,6 @@ class BandBar(QWidget):
     """All bands, one by a slider or its wavelength, or three as colours; hidden without bands."""
 
     chosen = Signal(object)  # choice: the person has made another `BandChoice`
-    _letters: tuple[QLabel, ...] = ()
 
     def __init__(self, owner: str, parent: QWidget) -> None:
         super().__init__(parent)
@@ -166,12 +165,10 @@ class BandBar(QWidget):
         self.colours = tuple(
             _short_list(f"{owner}.{name}", f"Wavelength shown as {name}", self) for name in CHANNELS
         )
-        self._letters = tuple(QLabel(name[0].upper(), self) for name in CHANNELS)
         self.even = tool_button(f"{owner}.even", "Even", "Use three evenly spaced bands", self)
         self.about = ElidedLabel(f"{owner}.band.about", "The bands", self)
         self.about.setForegroundRole(FAINT)
-        pairs = zip(self._letters, self.colours, strict=True)
-        parts = (self.shown, (self.slider, 3), self.one, *(part for pair in pairs for part in pair))
+        parts: tuple[Any, ...] = (self.shown, (self.slider, 3), self.one, *self.colours)
         layout = QHBoxLayout(self)
         filled(layout, *parts, self.even, (self.about, 1), margins=(2, 0, 2, 0), spacing=4)
         self.shown.activated.connect(lambda _: self._choose(shown=self.shown.currentData()))
@@ -180,17 +177,7 @@ class BandBar(QWidget):
         for number, colour in enumerate(self.colours):
             colour.activated.connect(partial(self._take_colour, number))
         self.even.clicked.connect(lambda: self._choose(colours_um=None))
-        self._colour()
         self.hide()
-
-    def changeEvent(self, event: QEvent) -> None:
-        super().changeEvent(event)
-        if event.type() == QEvent.Type.PaletteChange:
-            self._colour()
-
-    def _colour(self) -> None:
-        for letter, colour in zip(self._letters, theme_of(self).channels, strict=False):
-            set_ink(letter, colour)
 
     def show_bands(self, bands: BandStack | None, choice: BandChoice) -> None:
         before, self._bands, self.choice = self._bands, bands, choice
@@ -199,9 +186,9 @@ class BandBar(QWidget):
             return
         lists = (self.one, *self.colours)
         if before is None or before.centres_um != bands.centres_um:
-            for each in lists:
+            for each, letter in zip(lists, ("", "R  ", "G  ", "B  "), strict=True):
                 each.clear()
-                each.addItems([f"{centre:.5g} µm" for centre in bands.centres_um])
+                each.addItems([f"{letter}{centre:.5g} µm" for centre in bands.centres_um])
         whole = "sum" if bands.density else "mean"
         for number, text in enumerate(_TEXTS.values()):
             self.shown.setItemText(number, text.format(whole=whole))
@@ -214,10 +201,10 @@ class BandBar(QWidget):
         places = (place, *replace(choice, shown="colours").places(bands))
         for each, at in zip(lists, places, strict=True):
             each.setCurrentIndex(at)
-        of_one: tuple[QWidget, ...] = (self.slider, self.one)
-        of_colours: tuple[QWidget, ...] = (*self.colours, *self._letters, self.even)
-        for widget in (*of_one, *of_colours):
-            widget.setVisible(choice.shown == ("one" if widget in of_one else "colours"))
+        for one in (self.slider, self.one):
+            one.setVisible(choice.shown == "one")
+        for widget in (*self.colours, self.even):
+            widget.setVisible(choice.shown == "colours")
         self.even.setEnabled(choice.colours_um is not None)
         self.about.show_text(_about(bands, choice, place))
 

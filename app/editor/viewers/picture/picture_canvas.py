@@ -45,7 +45,7 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
     recoloured = Signal()
     theme: Theme | None = None
 
-    def __init__(self, parent: QWidget | None = None) -> None:
+    def __init__(self, parent: QWidget) -> None:
         super().__init__(parent)
         self.setAccessibleName("Picture")
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)

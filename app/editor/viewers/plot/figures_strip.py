@@ -29,10 +29,8 @@ OUTPUT = "output"
 class FiguresStrip(Viewer):
     """Read-outs of the sensor before the final picture, and the time since the last change."""
 
-    def __init__(
-        self, session: Session, evaluator: Evaluator, parent: QWidget | None = None
-    ) -> None:
-        super().__init__(session, evaluator, "figures_strip", parent)
+    def __init__(self, session: Session, evaluator: Evaluator) -> None:
+        super().__init__(session, evaluator, "figures_strip")
         self.setAccessibleName("Sensor figures")
         self._slots: list[tuple[ElidedLabel, ElidedLabel]] = []
         self._names: tuple[str, ...] = ()

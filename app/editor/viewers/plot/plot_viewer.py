@@ -11,7 +11,7 @@ from PySide6.QtCore import QPoint, QSize, Qt, Signal
 from PySide6.QtGui import QAction, QResizeEvent
 
 from app.editor import widgets
-from app.editor.declared_text import label_of, shown_figure
+from app.editor.declared_text import shown_figure
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.queries import Answer, Query
 from app.editor.panels.fields.field_menu import line_in_menu, offer
@@ -44,10 +44,8 @@ _NARROW = 75  # characters; a narrower viewer leaves the meanings of figures out
 class PlotViewer(viewer.Viewer):
     """Plots the chain, or curves or the table of a port, of the selected node unless pinned."""
 
-    def __init__(
-        self, session: Session, evaluator: Evaluator, parent: QtWidgets.QWidget | None = None
-    ) -> None:
-        super().__init__(session, evaluator, "plot_viewer", parent)
+    def __init__(self, session: Session, evaluator: Evaluator) -> None:
+        super().__init__(session, evaluator, "plot_viewer")
         self.setAccessibleName("Plot viewer")
         self.port: str | None = None
         self.angle_deg = 0.0
@@ -191,7 +189,6 @@ class PlotViewer(viewer.Viewer):
             QtWidgets.QVBoxLayout(self), self.bar, (self._pages, 1), self.status, spacing=1
         )
         self.bar.ports.chosen.connect(self._choose_port)
-        self.bar.outputs.chosen.connect(self._choose_port)
         self.bar.angle_chosen.connect(self.set_angle)
         self.bar.parts_chosen.connect(self.set_parts)
         self.bar.log_chosen.connect(self.set_log)
@@ -393,7 +390,6 @@ class PlotBar(QtWidgets.QWidget):
         self.ports.setObjectName(f"{owner}.port")
         self.ports.setAccessibleName("What is plotted")
         self.ports.setPlaceholderText("No curves")
-        self.outputs = OutputButtons(session, owner, self)
         self._x = widgets.tool_button(f"{owner}.x", "x", "Along ξ, across the picture", self)
         self._y = widgets.tool_button(f"{owner}.y", "y", "Along η, down the picture", self)
         self.angle = QtWidgets.QDoubleSpinBox(self)
@@ -420,7 +416,7 @@ class PlotBar(QtWidgets.QWidget):
         flow = widgets.FlowLayout(
             self, across=3, down=2
         )  # a bar in one row would hold the dock wide
-        parts = (self.ports, self.pin, self.outputs, *self._of_chain, self.log, self.fit)
+        parts = (self.ports, self.pin, *self._of_chain, self.log, self.fit)
         widgets.filled(flow, *parts, margins=(2, 2, 2, 0))
         self._x.clicked.connect(lambda: self.angle.setValue(0.0))
         self._y.clicked.connect(lambda: self.angle.setValue(90.0))
@@ -443,43 +439,3 @@ class PlotBar(QtWidgets.QWidget):
         for widget in self._of_chain:
             widget.setEnabled(port is None)
             widget.setVisible(port is None and not bare)
-        self.outputs.show_port(port)
-
-
-# Buttons of all that one node has to plot, beside the list of all nodes.
-
-
-class OutputButtons(QtWidgets.QWidget):
-    chosen = Signal(str)  # port: the person has chosen one, ``NODE.PORT``
-
-    def __init__(self, session: Session, owner: str, parent: QtWidgets.QWidget) -> None:
-        super().__init__(parent, accessibleName="Outputs of the plotted node")
-        self._session = session
-        self._owner = owner
-        self.buttons: dict[str, widgets.Toggle] = {}
-        self._row = widgets.filled(QtWidgets.QHBoxLayout(self), spacing=1)
-
-    def show_port(self, port: str | None) -> None:
-        by_node = viewer.ports_by_node(
-            self._session.network, self._session.library, viewer.PLOT_TYPES
-        )
-        ports = by_node.get((port or "").rpartition(".")[0], ())
-        ports = ports if len(ports) > 1 else ()
-        if ports != tuple(self.buttons):
-            for button in self.buttons.values():
-                button.hide()
-                button.deleteLater()
-            self.buttons = {one: self._button(one) for one in ports}
-        if port in self.buttons:
-            self.buttons[port].setChecked(True)
-        self.setVisible(bool(ports))
-
-    def _button(self, port: str) -> widgets.Toggle:
-        name = port.rpartition(".")[2]
-        button = widgets.toggle_button(
-            f"{self._owner}.output.{name}", label_of(name), f"Show {port}", self
-        )
-        button.setAutoExclusive(True)
-        button.clicked.connect(partial(self.chosen.emit, port))
-        self._row.addWidget(button)
-        return button

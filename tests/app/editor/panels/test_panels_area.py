@@ -1,15 +1,21 @@
 """Which panels are open, what stands on them beside the parameters, and that they go away."""
 
+import re
+import weakref
+
 import pytest
+import shiboken6
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtGui import QContextMenuEvent
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QToolButton
+from PySide6.QtWidgets import QApplication, QToolButton, QWidget
 
 from app.editor.evaluation.queries import Badge
-from app.editor.theme import ERROR
-from core.editing.operations import remove_nodes, set_node_field, set_parameter
-from panel_hands import LEFT, drop, field_of, panel_area, type_in, undo_to
+from app.editor.theme import ERROR, LIGHT
+from core.editing.operations import ABSENT, add_nodes, remove_nodes, set_node_field, set_parameter
+from core.modules.declaration import declaration
+from core.network.network import LARGEST_INTEGER, SEEDS, Node
+from panel_hands import LEFT, LIBRARY, change, drop, field_of, let_go, panel_area, type_in, undo_to
 
 
 def test_panels_follow_the_document_without_editing_it(qtbot, session):
@@ -291,3 +297,97 @@ def test_a_region_offers_its_materials_as_buttons(qtbot, session):
         assert set(offered(material)) == materials
     press(material, "Si:As")
     assert session.network.nodes["node"].params["material"] == "Si:As"
+
+
+def test_the_networks_own_panel(qtbot, session):
+    area = panel_area(qtbot, session)
+    panel = area.network_panel
+    assert panel.isVisible()
+    assert panel.count.text() == "0 nodes, 0 wires"
+    before = session.document.text()
+    type_in(panel.name, "Sensor")
+    type_in(panel.seed, "1996")
+    QTest.mouseClick(panel.description.viewport(), LEFT)
+    QTest.keyClicks(panel.description, "Two lines")
+    QTest.keyClick(panel.description, Qt.Key.Key_Return)
+    QTest.keyClicks(panel.description, "of words")
+    panel.name.setFocus()
+    network = session.network
+    assert (network.name, network.seed) == ("Sensor", 1996)
+    assert network.description == "Two lines\nof words"
+    for bad in ("-1", "1.5", str(LARGEST_INTEGER + 1), "x", ""):
+        type_in(panel.seed, bad)
+        assert session.network is network
+        assert SEEDS in panel.seed_problem.text()
+        assert panel.seed_problem.isVisible()
+    QTest.keyClick(panel.seed, Qt.Key.Key_Escape)
+    assert panel.seed.text() == "1996"
+    assert not panel.seed_problem.isVisible()
+    type_in(panel.seed, str(LARGEST_INTEGER))
+    assert session.network.seed == LARGEST_INTEGER
+    undo_to(session, 0)
+    assert session.document.text() == before
+    assert panel.name.text() == panel.description.toPlainText() == ""
+    drop(session, "jitter_mtf")
+    assert not panel.isVisible()
+    session.select([])
+    assert panel.count.text() == "1 node, 0 wires"
+
+
+def test_a_module_the_library_does_not_have_is_shown_and_kept(qtbot, session):
+    params = {"gain": 2.5, "mode": "odd", "list": [1, 2]}
+    area = panel_area(qtbot, session)
+    session.do(add_nodes(((Node("what", "from_the_future", params), None),)))
+    session.select(["what"])
+    QApplication.processEvents()
+    body = area.panels["what"].body
+    assert "no module from_the_future" in body.note.text()
+    assert body.raw.text() == "gain: 2.5\nlist: [1, 2]\nmode: odd"
+    session.do(set_parameter("what", "gain", ABSENT))
+    let_go()
+    assert body.raw.text() == "list: [1, 2]\nmode: odd"
+
+
+def change_what_is_shown(panel):
+    for field in panel.body.sections.fields:
+        if field.isVisible():
+            change(field)
+
+
+@pytest.mark.parametrize("key", ["electronics_noise", "read_image"])
+def test_no_widget_outlives_its_panel(qtbot, session, key):
+    area = panel_area(qtbot, session)
+    drop(session, key)
+    panel = area.panels["node"]
+    widgets = [panel, *panel.findChildren(QWidget)]
+    change_what_is_shown(panel)
+    kept = [weakref.ref(widget) for widget in widgets]
+    assert len(kept) > 15
+    del panel, widgets
+    session.select([])
+    let_go()
+    alive = [ref() for ref in kept if ref() is not None]
+    assert not [widget for widget in alive if shiboken6.isValid(widget)]
+    assert not alive
+
+
+def test_nothing_is_clipped(qtbot, session):
+    area = panel_area(qtbot, session, width=300)
+    area.setPalette(LIGHT.palette())
+    for key, module in LIBRARY.items():
+        drop(session, key, key)
+        QApplication.processEvents()
+        panel = area.panels[key]
+        assert area.widget().width() <= area.viewport().width(), key
+        for part in panel.findChildren(QWidget):
+            if part.isVisible() and part.parentWidget() is not None and not part.isWindow():
+                inside = part.parentWidget().rect()
+                assert inside.contains(part.geometry()) or "scroll" in part.objectName(), (
+                    key,
+                    part.objectName(),
+                    part.geometry(),
+                )
+        titles = [panel.head.bar.title.text(), panel.head.name.text()]
+        plain = [re.sub(r"\W|_", "", text).lower() for text in (key, declaration(module).title)]
+        alike = plain[0] == plain[1]
+        assert titles == ["" if alike else declaration(module).title, key]

@@ -10,17 +10,23 @@ from PySide6.QtGui import QPalette
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QFileDialog, QLineEdit, QWidget
 
+from app.editor.evaluation.queries import Answer, Passing
+from app.editor.panels.fields.field import PanelNode
+from app.editor.panels.module_body import NONE, ReadoutsView
 from app.editor.theme import DARK
 from app.run.staging import read_record
 from core.chain.engine import Engine
 from core.editing.document import Document
 from core.editing.operations import rewire
+from core.errors import DataError
 from core.evaluation.work import Policy
 from core.modules.declaration import declaration
 from core.network.network import Link
 from editor_queries import Asking, Gate
+from focal_plane_bench import CAMERA_SHEET, focal_plane_bench
 from linked_network import linked_network
-from panel_hands import LEFT, LIBRARY, drop, field_of, panel_area, type_in
+from nodes.detector.focal_plane import FocalPlane
+from panel_hands import LEFT, LIBRARY, NoEvaluator, drop, field_of, panel_area, type_in
 
 WITH_READOUTS = [key for key, module in LIBRARY.items() if declaration(module).readouts]
 
@@ -245,3 +251,32 @@ def test_read_outs_follow_edits_are_marked_as_old_and_go_where_they_cannot_be(
     qtbot.waitUntil(lambda: set(texts(area).values()) == {"—"})
     session.undo()
     qtbot.waitUntil(lambda: texts(area)["half_contrast"] != "—")
+
+
+def test_the_reason_stands_in_tooltip_and_description(qtbot, session, tmp_path):
+    view = ReadoutsView(
+        declaration(FocalPlane), PanelNode(session, NoEvaluator(session), "it", None), None
+    )
+    qtbot.addWidget(view)
+    netd = view.values["netd_K"]
+
+    def answer(**outcome):
+        view.take(Answer(1, view.owner, view.query, **outcome))
+        return netd.accessibleDescription(), html.unescape(netd.toolTip())
+
+    def computed(**changed):
+        bench = focal_plane_bench(tmp_path, {**CAMERA_SHEET, **changed}, size=(16, 16))
+        return view.query.answer(Passing(bench.engine, bench.plan, bench.work, 1))
+
+    said, tip = answer(value=computed(integration_time_s=0.1))
+    assert netd.text() == NONE
+    assert "of the full well and is clipped" in said
+    assert said in tip
+    said, tip = answer(value=computed())
+    assert netd.text() != NONE
+    assert said == ""
+    assert "full well" not in tip
+    said, tip = answer(error=DataError("it: no picture comes in"))
+    assert netd.text() == NONE
+    assert "no picture comes in" in said
+    assert said in tip

@@ -1,16 +1,29 @@
-"""The region of a module dragged on its picture, with real events."""
+"""The region of a module: on which pictures it is framed, and dragged there with real events."""
 
 import numpy as np
+import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 
 from app.editor.viewers.plot.plot_viewer import PlotViewer
-from core.editing.operations import set_parameter
+from core.editing.operations import add_nodes, set_parameter
 from core.network.linked_values import expression
-from region_hands import framed, stored, undo_steps
+from core.network.network import Link, Node
+from region_hands import PictureHand, framed, stored, undo_steps
 
 NETWORK = "measured_mtf"
 AS_SHIPPED = (96, 32, 64, 192)  # of a picture of 256 × 256
+
+
+@pytest.fixture
+def viewer(image_viewer):
+    return image_viewer("electronics.image", 900, 700)
+
+
+@pytest.fixture
+def hand(viewer, bench):
+    bench.session.select(["measured"])
+    return PictureHand(viewer)
 
 
 def test_dragging_moves_it_by_whole_samples_in_one_undo_step(bench, viewer, hand):
@@ -93,3 +106,40 @@ def test_a_linked_region_is_left_alone_and_the_reason_given(bench, viewer, hand)
         "measured.region_width is linked to measured.region_height / 3: "
         "unlink it in the panel first",
     ) in said
+
+
+def test_it_is_framed_on_pictures_of_the_same_size_before_the_selected_node(bench, viewer):
+    assert framed(viewer) is None
+    assert viewer.canvas.accessibleDescription() == ""
+    half = (Node("half", "combine_pixels", {"factor_x": 2, "factor_y": 2}), None)
+    bench.do(add_nodes((half,), (Link("back", "image", "half", "image"),)))
+    bench.session.select(["measured"])
+    assert framed(viewer) == AS_SHIPPED
+    assert "64 × 192 at column 96, row 32" in viewer.canvas.accessibleDescription()
+    for port, seen in (
+        ("back.image", True),
+        ("scene.image", True),
+        ("half.image", False),  # of another size
+        ("electronics.noise", True),
+        ("detector.magnitude", False),  # no picture
+        ("electronics.image", True),
+    ):
+        viewer.look_at(port)
+        bench.settle()
+        assert (framed(viewer) is not None) == seen, port
+    bench.session.select(["blur"])
+    assert framed(viewer) is None
+    bench.session.select(["measured"])
+    viewer.bar.display.mapping.chosen.emit("spectrum")
+    bench.settle()
+    assert framed(viewer) is None
+
+
+def test_one_beyond_the_picture_can_be_brought_back(bench, viewer, hand):
+    bench.do(set_parameter("measured", "region_x", 240))
+    title = viewer.region.frame.title
+    assert framed(viewer) == (240, 32, 16, 192)
+    assert "outside" in title.toPlainText()
+    hand.drag((250, 128), (200, 128))
+    assert stored(bench) == (190, 32, 16, 192)
+    assert "outside" not in title.toPlainText()
