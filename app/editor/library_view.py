@@ -3,16 +3,9 @@
 from collections.abc import Iterable, Mapping, Sequence
 from types import MappingProxyType
 
+from PySide6 import QtWidgets
 from PySide6.QtCore import QEvent, QMimeData, QModelIndex, QObject, Qt, Signal
 from PySide6.QtGui import QColor, QIcon, QKeyEvent, QPixmap
-from PySide6.QtWidgets import (
-    QAbstractItemView,
-    QLineEdit,
-    QTreeWidget,
-    QTreeWidgetItem,
-    QVBoxLayout,
-    QWidget,
-)
 
 from app.editor.declared_text import label_of, shown_value, tip
 from app.editor.theme import theme_of
@@ -40,8 +33,8 @@ def dragged_module(data: QMimeData) -> str:
     return bytes(data.data(MIME_TYPE).data()).decode(errors="replace")
 
 
-class ModuleTree(QTreeWidget):
-    def __init__(self, library: Library, parent: QWidget) -> None:
+class ModuleTree(QtWidgets.QTreeWidget):
+    def __init__(self, library: Library, parent: QtWidgets.QWidget) -> None:
         super().__init__(parent)
         labelled(self, "library.tree", "Modules of the library")
         self.setHeaderHidden(True)
@@ -49,14 +42,14 @@ class ModuleTree(QTreeWidget):
         self.setUniformRowHeights(True)
         self.setTextElideMode(Qt.TextElideMode.ElideMiddle)  # names that begin alike end otherwise
         self.setDragEnabled(True)
-        self.setDragDropMode(QAbstractItemView.DragDropMode.DragOnly)
+        self.setDragDropMode(QtWidgets.QAbstractItemView.DragDropMode.DragOnly)
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.setIndentation(self.fontMetrics().averageCharWidth() * 2)
         self._texts: dict[str, tuple[str, str, str]] = {}
-        self.modules: dict[str, QTreeWidgetItem] = {}
-        self.groups: dict[str, QTreeWidgetItem] = {}
+        self.modules: dict[str, QtWidgets.QTreeWidgetItem] = {}
+        self.groups: dict[str, QtWidgets.QTreeWidgetItem] = {}
         for key, declared in declarations(library).items():
-            item = QTreeWidgetItem(self._group(declared.group), [declared.listed])
+            item = QtWidgets.QTreeWidgetItem(self._group(declared.group), [declared.listed])
             item.setData(0, _KEY, key)
             self._texts[key] = found_by(declared)
             item.setToolTip(0, declared.text)
@@ -74,7 +67,7 @@ class ModuleTree(QTreeWidget):
         for preset in presets:
             kind = f"{preset.kind.capitalize()} presets"
             group = self._group(OWN_PRESETS if preset.own else kind)
-            item = QTreeWidgetItem(group, [preset.title])
+            item = QtWidgets.QTreeWidgetItem(group, [preset.title])
             item.setData(0, _KEY, preset.key)
             item.setToolTip(0, tip(about_preset(preset, apart.get(preset.key, ()))))
             item.setDisabled(bool(preset.problem))
@@ -91,7 +84,7 @@ class ModuleTree(QTreeWidget):
     def mimeTypes(self) -> list[str]:
         return [MIME_TYPE]
 
-    def mimeData(self, items: Iterable[QTreeWidgetItem]) -> QMimeData:
+    def mimeData(self, items: Iterable[QtWidgets.QTreeWidgetItem]) -> QMimeData:
         keys = [item.data(0, _KEY) for item in items if item.data(0, _KEY)]
         return module_data(keys[0]) if keys else QMimeData()
 
@@ -117,9 +110,9 @@ class ModuleTree(QTreeWidget):
             self.clearSelection()
             self.setCurrentIndex(QModelIndex())
 
-    def _group(self, name: str) -> QTreeWidgetItem:
+    def _group(self, name: str) -> QtWidgets.QTreeWidgetItem:
         if name not in self.groups:
-            item = QTreeWidgetItem(self, [name])
+            item = QtWidgets.QTreeWidgetItem(self, [name])
             item.setFlags(_ENABLED | _SELECTABLE)
             font = self.font()
             font.setBold(True)
@@ -139,23 +132,26 @@ def about_preset(preset: Preset, apart: Sequence[Difference]) -> str:
     return "\n\n".join(filter(None, (preset.title, preset.text, differs)))
 
 
-class LibraryView(QWidget):
+class LibraryView(QtWidgets.QWidget):
     """The library with a field that filters it."""
 
     chosen = Signal(str)  # (key): a module or preset was double-clicked, or Enter pressed on it
 
     def __init__(
-        self, library: Library, parent: QWidget | None = None, presets: Sequence[Preset] = ()
+        self,
+        library: Library,
+        parent: QtWidgets.QWidget | None = None,
+        presets: Sequence[Preset] = (),
     ) -> None:
         super().__init__(parent)
         labelled(self, "library", "Library")
-        self.filter = labelled(QLineEdit(), "library.filter", "Filter the modules")
+        self.filter = labelled(QtWidgets.QLineEdit(), "library.filter", "Filter the modules")
         self.filter.setPlaceholderText("Filter")
         self.filter.setClearButtonEnabled(True)
         self.tree = ModuleTree(library, self)
         self._library = library
         self.tree.show_presets(presets, library)
-        filled(QVBoxLayout(self), self.filter, self.tree, margins=(4, 4, 4, 4), spacing=4)
+        filled(QtWidgets.QVBoxLayout(self), self.filter, self.tree, margins=(4, 4, 4, 4), spacing=4)
         self.setFocusProxy(self.filter)
         self.filter.textChanged.connect(self.tree.show_matching)
         self.filter.returnPressed.connect(self._choose_current)

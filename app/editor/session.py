@@ -13,13 +13,7 @@ from core.editing.macros import at_level
 from core.editing.operations import Operation, restored, set_parameter
 from core.errors import ImagechainError
 from core.modules.declaration import Declaration, Library
-from core.network.linked_values import (
-    LinkError,
-    ResolvedNetwork,
-    expression_text,
-    resolved,
-    with_values,
-)
+from core.network import linked_values
 from core.network.macro import SEPARATOR, declared_node, expanded, path_of, unfolded
 from core.network.network import Network, Node
 from core.records import replace
@@ -46,7 +40,7 @@ class Session(QObject):
         # operations given to `do` may name them so.
         self.network = self.document.network
         self.selection: tuple[str, ...] = ()
-        self._resolved = (self.network, ResolvedNetwork(self.network))
+        self._resolved = (self.network, linked_values.ResolvedNetwork(self.network))
 
     @property
     def head(self) -> str:
@@ -59,13 +53,13 @@ class Session(QObject):
         return expanded(self.document.network, self.library)
 
     @property
-    def resolved(self) -> ResolvedNetwork:
+    def resolved(self) -> linked_values.ResolvedNetwork:
         """The plain network with values in the place of its expressions."""
         of, before = self._resolved
         document = self.document.network
         if of is not document:
             known = before.network.nodes.get
-            now = with_values(self.plain, library=self.library, known=known)
+            now = linked_values.with_values(self.plain, library=self.library, known=known)
             self._resolved = (document, now)
         return self._resolved[1]
 
@@ -77,10 +71,10 @@ class Session(QObject):
         values = {one: self.resolved.value(name, one) for one in macro.linked}
         return replace(macro, params={**macro.params, **values}) if values else macro
 
-    def link_fault(self, node: str, parameter: str, raw: object) -> LinkError | None:
+    def link_fault(self, node: str, parameter: str, raw: object) -> linked_values.LinkError | None:
         """Why a parameter cannot follow that; None where it can."""
         network = set_parameter(node, parameter, raw).apply(self.document.network)
-        trial = resolved(network, library=self.library)
+        trial = linked_values.resolved(network, library=self.library)
         behind, name = trial.network.parameter_behind(node, parameter)
         faults = trial.faults.get(behind, ())
         return next((fault for fault in faults if fault.parameter == name), None)
@@ -90,7 +84,7 @@ class Session(QObject):
         node = self.network.nodes[name]
         for parameter in parameters:
             if parameter in node.linked:
-                text = expression_text(node.params[parameter])
+                text = linked_values.expression_text(node.params[parameter])
                 return f"{name}.{parameter} is linked to {text}: unlink it in the panel first"
         return ""
 

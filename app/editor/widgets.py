@@ -5,110 +5,81 @@ import time
 from collections.abc import Callable, Collection, Sequence
 from typing import Any, TypeVar
 
+from PySide6 import QtGui, QtWidgets
 from PySide6.QtCore import QEvent, QMimeData, QPoint, QRect, QSize, Qt, Signal
-from PySide6.QtGui import (
-    QDropEvent,
-    QFont,
-    QFontMetricsF,
-    QGuiApplication,
-    QKeyEvent,
-    QKeySequence,
-    QPainter,
-    QPaintEvent,
-    QPalette,
-    QPen,
-    QResizeEvent,
-    QWheelEvent,
-)
-from PySide6.QtWidgets import (
-    QAbstractButton,
-    QAbstractItemView,
-    QButtonGroup,
-    QCheckBox,
-    QHeaderView,
-    QLabel,
-    QLayout,
-    QLayoutItem,
-    QMenu,
-    QRadioButton,
-    QScrollArea,
-    QSizePolicy,
-    QStyle,
-    QStyledItemDelegate,
-    QStyleOptionButton,
-    QStyleOptionToolButton,
-    QStyleOptionViewItem,
-    QTableWidget,
-    QToolButton,
-    QWidget,
-)
 
 LEFT = Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter
 RIGHT = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
-W = TypeVar("W", bound=QWidget)
-L = TypeVar("L", bound=QLayout)
-B = TypeVar("B", bound=QToolButton)
+W = TypeVar("W", bound=QtWidgets.QWidget)
+L = TypeVar("L", bound=QtWidgets.QLayout)
+B = TypeVar("B", bound=QtWidgets.QToolButton)
 Act = Callable[[], object]
 
 
-class Toggle(QToolButton):
-    def __init__(self, parent: QWidget | None = None) -> None:
+class Toggle(QtWidgets.QToolButton):
+    def __init__(self, parent: QtWidgets.QWidget | None = None) -> None:
         super().__init__(parent)
         self.setCheckable(True)
 
-    def initStyleOption(self, option: QStyleOptionToolButton) -> None:
+    def initStyleOption(self, option: QtWidgets.QStyleOptionToolButton) -> None:
         super().initStyleOption(option)
         if self.isChecked():
-            palette, role = QPalette(option.palette), QPalette.ColorRole
+            palette, role = QtGui.QPalette(option.palette), QtGui.QPalette.ColorRole
             palette.setColor(role.Button, palette.color(role.Highlight))
             palette.setColor(role.ButtonText, palette.color(role.HighlightedText))
             option.palette = palette
 
 
-class Radio(QRadioButton):
-    def paintEvent(self, event: QPaintEvent) -> None:
+class Radio(QtWidgets.QRadioButton):
+    def paintEvent(self, event: QtGui.QPaintEvent) -> None:
         super().paintEvent(event)
-        _outline(self, QStyle.SubElement.SE_RadioButtonIndicator, round_=True)
+        _outline(self, QtWidgets.QStyle.SubElement.SE_RadioButtonIndicator, round_=True)
 
 
-class Check(QCheckBox):
+class Check(QtWidgets.QCheckBox):
     """A check box with a frame round its indicator, its text in the foreground's role."""
 
-    def initStyleOption(self, option: QStyleOptionButton) -> None:
+    def initStyleOption(self, option: QtWidgets.QStyleOptionButton) -> None:
         super().initStyleOption(option)
-        palette = QPalette(option.palette)
+        palette = QtGui.QPalette(option.palette)
         ink = palette.color(self.foregroundRole())
-        palette.setColor(QPalette.ColorRole.WindowText, ink)
+        palette.setColor(QtGui.QPalette.ColorRole.WindowText, ink)
         option.palette = palette
 
-    def paintEvent(self, event: QPaintEvent) -> None:
+    def paintEvent(self, event: QtGui.QPaintEvent) -> None:
         super().paintEvent(event)
-        _outline(self, QStyle.SubElement.SE_CheckBoxIndicator, round_=False)
+        _outline(self, QtWidgets.QStyle.SubElement.SE_CheckBoxIndicator, round_=False)
 
 
-class OutlinedItems(QStyledItemDelegate):
+class OutlinedItems(QtWidgets.QStyledItemDelegate):
     """Items of a list with a frame round the box to tick."""
 
-    def paint(self, painter: QPainter, option: QStyleOptionViewItem, index: Any) -> None:
+    def paint(
+        self, painter: QtGui.QPainter, option: QtWidgets.QStyleOptionViewItem, index: Any
+    ) -> None:
         super().paint(painter, option, index)
-        item = QStyleOptionViewItem(option)
+        item = QtWidgets.QStyleOptionViewItem(option)
         self.initStyleOption(item, index)
-        widget: QWidget = item.widget
-        box = QStyle.SubElement.SE_ItemViewItemCheckIndicator
+        widget: QtWidgets.QWidget = item.widget
+        box = QtWidgets.QStyle.SubElement.SE_ItemViewItemCheckIndicator
         rect = widget.style().subElementRect(box, item, widget)
         painter.save()
-        painter.setPen(QPen(widget.palette().color(QPalette.ColorRole.PlaceholderText), 1))
+        painter.setPen(
+            QtGui.QPen(widget.palette().color(QtGui.QPalette.ColorRole.PlaceholderText), 1)
+        )
         painter.drawRect(rect.adjusted(0, 0, -1, -1))
         painter.restore()
 
 
-def _outline(button: QAbstractButton, element: QStyle.SubElement, *, round_: bool) -> None:
-    option = QStyleOptionButton()
+def _outline(
+    button: QtWidgets.QAbstractButton, element: QtWidgets.QStyle.SubElement, *, round_: bool
+) -> None:
+    option = QtWidgets.QStyleOptionButton()
     option.initFrom(button)
     rect = button.style().subElementRect(element, option, button)
-    painter = QPainter(button)
-    painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-    painter.setPen(QPen(button.palette().color(QPalette.ColorRole.PlaceholderText), 1))
+    painter = QtGui.QPainter(button)
+    painter.setRenderHint(QtGui.QPainter.RenderHint.Antialiasing)
+    painter.setPen(QtGui.QPen(button.palette().color(QtGui.QPalette.ColorRole.PlaceholderText), 1))
     if round_:
         painter.drawEllipse(rect.adjusted(1, 1, -1, -1))
     else:
@@ -128,7 +99,10 @@ def labelled(widget: W, name: str, about: str = "", tip: str = "") -> W:
 
 def filled(
     layout: L,
-    *parts: QWidget | QLayout | tuple[QWidget | QLayout, int] | None,
+    *parts: QtWidgets.QWidget
+    | QtWidgets.QLayout
+    | tuple[QtWidgets.QWidget | QtWidgets.QLayout, int]
+    | None,
     margins: tuple[int, int, int, int] | None = (0, 0, 0, 0),
     spacing: int | None = None,
 ) -> L:
@@ -142,7 +116,7 @@ def filled(
         one, *stretch = part if isinstance(part, tuple) else (part,)
         if one is None:
             box.addStretch(1)
-        elif isinstance(one, QWidget):
+        elif isinstance(one, QtWidgets.QWidget):
             box.addWidget(one, *stretch)
         else:
             box.addLayout(one, *stretch)
@@ -150,14 +124,14 @@ def filled(
 
 
 def tool_button(
-    name: str, text: str, description: str, parent: QWidget, act: Act | None = None
-) -> QToolButton:
+    name: str, text: str, description: str, parent: QtWidgets.QWidget, act: Act | None = None
+) -> QtWidgets.QToolButton:
     """A button that the keyboard reaches."""
-    return _worded(QToolButton(parent), name, text, description, act)
+    return _worded(QtWidgets.QToolButton(parent), name, text, description, act)
 
 
 def toggle_button(
-    name: str, text: str, description: str, parent: QWidget, act: Act | None = None
+    name: str, text: str, description: str, parent: QtWidgets.QWidget, act: Act | None = None
 ) -> Toggle:
     return _worded(Toggle(parent), name, text, description, act)
 
@@ -173,13 +147,13 @@ def _worded(button: B, name: str, text: str, description: str, act: Act | None) 
 _TYPING = Qt.KeyboardModifier.ShiftModifier | Qt.KeyboardModifier.KeypadModifier
 
 
-class Menu(QMenu):
+class Menu(QtWidgets.QMenu):
     """A menu that has all letters while it is open, those that are shortcuts elsewhere too."""
 
     def event(self, event: QEvent) -> bool:
         if (
             event.type() == QEvent.Type.ShortcutOverride
-            and isinstance(event, QKeyEvent)
+            and isinstance(event, QtGui.QKeyEvent)
             and not event.modifiers() & ~_TYPING  # Ctrl+Q still quits
         ):
             event.accept()
@@ -187,31 +161,35 @@ class Menu(QMenu):
         return super().event(event)
 
 
-def menu_button(name: str, text: str, description: str, parent: QWidget) -> QToolButton:
+def menu_button(
+    name: str, text: str, description: str, parent: QtWidgets.QWidget
+) -> QtWidgets.QToolButton:
     button = tool_button(name, text, description, parent)
-    button.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
+    button.setPopupMode(QtWidgets.QToolButton.ToolButtonPopupMode.InstantPopup)
     button.setMenu(Menu(button))
     return button
 
 
-class FlowLayout(QLayout):
+class FlowLayout(QtWidgets.QLayout):
     """Places its widgets from left to right, and continues below where the line ends."""
 
-    def __init__(self, parent: QWidget | None = None, *, across: int = 6, down: int = 4) -> None:
+    def __init__(
+        self, parent: QtWidgets.QWidget | None = None, *, across: int = 6, down: int = 4
+    ) -> None:
         super().__init__(parent)
-        self._items: list[QLayoutItem] = []
+        self._items: list[QtWidgets.QLayoutItem] = []
         self._across, self._down = across, down
 
-    def addItem(self, item: QLayoutItem) -> None:
+    def addItem(self, item: QtWidgets.QLayoutItem) -> None:
         self._items.append(item)
 
     def count(self) -> int:
         return len(self._items)
 
-    def itemAt(self, index: int) -> QLayoutItem | None:
+    def itemAt(self, index: int) -> QtWidgets.QLayoutItem | None:
         return self._items[index] if 0 <= index < len(self._items) else None
 
-    def takeAt(self, index: int) -> QLayoutItem | None:
+    def takeAt(self, index: int) -> QtWidgets.QLayoutItem | None:
         return self._items.pop(index) if 0 <= index < len(self._items) else None
 
     def expandingDirections(self) -> Qt.Orientation:
@@ -261,14 +239,14 @@ class FlowLayout(QLayout):
         return y + line - rect.y() + margins.bottom()
 
 
-class PageTabs(QWidget):
+class PageTabs(QtWidgets.QWidget):
     turned = Signal()  # another page is to be shown
 
-    def __init__(self, pages: tuple[str, ...], parent: QWidget | None = None) -> None:
+    def __init__(self, pages: tuple[str, ...], parent: QtWidgets.QWidget | None = None) -> None:
         super().__init__(parent)
         labelled(self, "pages", "pages of the panel")
         self._pages = pages
-        self._group = QButtonGroup(self)
+        self._group = QtWidgets.QButtonGroup(self)
         self.buttons: list[Toggle] = []
         flow = FlowLayout(self, across=2, down=2)
         flow.setContentsMargins(0, 4, 0, 0)
@@ -297,17 +275,17 @@ class PageTabs(QWidget):
             self.turned.emit()
 
 
-def steady_width(text: str, font: QFont, had: int) -> int:
+def steady_width(text: str, font: QtGui.QFont, had: int) -> int:
     """The width there was, unless the text needs more, or less than half of it; in dots.
 
     After a change of a widget's size hint all around it is laid out anew, up to the window: 2.5 ms
     for each answer of a drag.
     """
-    needed = math.ceil(QFontMetricsF(font).horizontalAdvance(text))
+    needed = math.ceil(QtGui.QFontMetricsF(font).horizontalAdvance(text))
     return had if had // 2 <= needed <= had else needed
 
 
-class ElidedLabel(QLabel):
+class ElidedLabel(QtWidgets.QLabel):
     """One line that may be narrower than its text.
 
     It keeps the text itself: a `QLabel` has the window laid out anew for each of its texts.
@@ -316,10 +294,14 @@ class ElidedLabel(QLabel):
     _line = ""
     _width = 0
 
-    def __init__(self, name: str, description: str, parent: QWidget | None = None) -> None:
+    def __init__(
+        self, name: str, description: str, parent: QtWidgets.QWidget | None = None
+    ) -> None:
         super().__init__(parent)
         labelled(self, name, description)
-        self.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Fixed)
+        self.setSizePolicy(
+            QtWidgets.QSizePolicy.Policy.Preferred, QtWidgets.QSizePolicy.Policy.Fixed
+        )
 
     def text(self) -> str:
         return self._line
@@ -351,8 +333,8 @@ class ElidedLabel(QLabel):
         if event.type() in (QEvent.Type.FontChange, QEvent.Type.StyleChange):
             self._fit(0)
 
-    def paintEvent(self, _event: QPaintEvent) -> None:
-        painter = QPainter(self)
+    def paintEvent(self, _event: QtGui.QPaintEvent) -> None:
+        painter = QtGui.QPainter(self)
         text = self.fontMetrics().elidedText(
             self._line, Qt.TextElideMode.ElideRight, self.contentsRect().width()
         )
@@ -369,27 +351,29 @@ class ElidedLabel(QLabel):
 
 def plain_label(
     name: str,
-    parent: QWidget,
+    parent: QtWidgets.QWidget,
     text: str = "",
     *,
-    role: QPalette.ColorRole = QPalette.ColorRole.WindowText,
+    role: QtGui.QPalette.ColorRole = QtGui.QPalette.ColorRole.WindowText,
     bold: bool = False,
-) -> QLabel:
+) -> QtWidgets.QLabel:
     """A text that is no markup and is broken into lines, in a colour of the palette."""
-    label = labelled(QLabel(text, parent, textFormat=Qt.TextFormat.PlainText, wordWrap=True), name)
+    label = labelled(
+        QtWidgets.QLabel(text, parent, textFormat=Qt.TextFormat.PlainText, wordWrap=True), name
+    )
     label.setForegroundRole(role)
     if bold:
         make_bold(label)
     return label
 
 
-def make_bold(widget: QWidget) -> None:
+def make_bold(widget: QtWidgets.QWidget) -> None:
     font = widget.font()
     font.setBold(True)
     widget.setFont(font)
 
 
-def show_or_hide(label: QLabel, text: str) -> None:
+def show_or_hide(label: QtWidgets.QLabel, text: str) -> None:
     label.setText(text)
     label.setVisible(bool(text))
 
@@ -397,11 +381,11 @@ def show_or_hide(label: QLabel, text: str) -> None:
 _HINT_LETTERS, _BESIDE = 72, 4  # of a line of a hint at most, and free beside it at least
 
 
-class Hint(QLabel):
+class Hint(QtWidgets.QLabel):
     """What to do, in the middle of where nothing is shown yet, in lines that are easy to read."""
 
-    def paintEvent(self, _event: QPaintEvent) -> None:
-        painter, letter = QPainter(self), self.fontMetrics().averageCharWidth()
+    def paintEvent(self, _event: QtGui.QPaintEvent) -> None:
+        painter, letter = QtGui.QPainter(self), self.fontMetrics().averageCharWidth()
         side = max(_BESIDE * letter, (self.width() - _HINT_LETTERS * letter) // 2)
         painter.setPen(self.palette().color(self.foregroundRole()))
         flags = Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap
@@ -409,26 +393,26 @@ class Hint(QLabel):
         painter.end()
 
 
-def centred_hint(text: str, parent: QWidget) -> Hint:
+def centred_hint(text: str, parent: QtWidgets.QWidget) -> Hint:
     return Hint(text, parent, wordWrap=True)
 
 
-class CopiedTable(QTableWidget):
+class CopiedTable(QtWidgets.QTableWidget):
     """Ctrl+C copies the marked rows; lines are broken anew when its width changes."""
 
     def list_figures(self, heads: Sequence[str], widest: int = 0) -> None:
         """Look as a list of figures that is only read: whole rows, one column the widest."""
         self.setHorizontalHeaderLabels(list(heads))
-        self.setEditTriggers(QAbstractItemView.EditTrigger.NoEditTriggers)
-        self.setSelectionBehavior(QAbstractItemView.SelectionBehavior.SelectRows)
+        self.setEditTriggers(QtWidgets.QAbstractItemView.EditTrigger.NoEditTriggers)
+        self.setSelectionBehavior(QtWidgets.QAbstractItemView.SelectionBehavior.SelectRows)
         self.setTabKeyNavigation(False)
         self.setShowGrid(False)
         self.setWordWrap(True)
         self.verticalHeader().hide()
         self.verticalHeader().setMinimumSectionSize(self.fontMetrics().height() + 4)
         head = self.horizontalHeader()
-        head.setSectionResizeMode(QHeaderView.ResizeMode.ResizeToContents)
-        head.setSectionResizeMode(widest, QHeaderView.ResizeMode.Stretch)
+        head.setSectionResizeMode(QtWidgets.QHeaderView.ResizeMode.ResizeToContents)
+        head.setSectionResizeMode(widest, QtWidgets.QHeaderView.ResizeMode.Stretch)
         head.setHighlightSections(False)
 
     def cells(self, row: int) -> Sequence[str]:
@@ -439,15 +423,15 @@ class CopiedTable(QTableWidget):
     def copy(self) -> None:
         marked = sorted({index.row() for index in self.selectedIndexes()})
         rows = [self.cells(row) for row in marked or range(self.rowCount())]
-        QGuiApplication.clipboard().setText("\n".join("\t".join(row) for row in rows if row))
+        QtGui.QGuiApplication.clipboard().setText("\n".join("\t".join(row) for row in rows if row))
 
-    def keyPressEvent(self, event: QKeyEvent) -> None:
-        if event.matches(QKeySequence.StandardKey.Copy):
+    def keyPressEvent(self, event: QtGui.QKeyEvent) -> None:
+        if event.matches(QtGui.QKeySequence.StandardKey.Copy):
             self.copy()
         else:
             super().keyPressEvent(event)
 
-    def resizeEvent(self, event: QResizeEvent) -> None:
+    def resizeEvent(self, event: QtGui.QResizeEvent) -> None:
         super().resizeEvent(event)
         self.resizeRowsToContents()
 
@@ -456,7 +440,7 @@ PAUSE_S = 0.5
 """Turns of the wheel no further apart are one."""
 
 
-class WheelScrollArea(QScrollArea):
+class WheelScrollArea(QtWidgets.QScrollArea):
     """A scroll area in which a turn of the wheel that began as scrolling goes on as scrolling.
 
     A control that slides under the mouse meanwhile lets it pass, also if it has the focus.
@@ -468,12 +452,12 @@ class WheelScrollArea(QScrollArea):
     def is_scrolling(self) -> bool:
         return time.monotonic() - self._scrolled_at < PAUSE_S
 
-    def wheelEvent(self, event: QWheelEvent) -> None:
+    def wheelEvent(self, event: QtGui.QWheelEvent) -> None:
         self._scrolled_at = time.monotonic()
         super().wheelEvent(event)
 
 
-def takes_wheel(control: QWidget) -> bool:
+def takes_wheel(control: QtWidgets.QWidget) -> bool:
     """Whether the wheel is meant for a control: it has the focus, and nothing is scrolling."""
     if not control.hasFocus():
         return False
@@ -488,7 +472,7 @@ def takes_wheel(control: QWidget) -> bool:
 _ACTIONS = (Qt.DropAction.CopyAction, Qt.DropAction.LinkAction)
 
 
-def accept_copy(event: QDropEvent) -> None:
+def accept_copy(event: QtGui.QDropEvent) -> None:
     """Accept it as a copy, or a link; refuse what can only be moved.
 
     What is proposed is a move where a file manager would move on the same disk, and who proposes
@@ -505,7 +489,7 @@ def accept_copy(event: QDropEvent) -> None:
 def is_escape(event: QEvent) -> bool:
     """Whether Esc is pressed and may be kept from shortcuts: whoever accepts the event has it."""
     override = event.type() == QEvent.Type.ShortcutOverride
-    return override and isinstance(event, QKeyEvent) and event.key() == Qt.Key.Key_Escape
+    return override and isinstance(event, QtGui.QKeyEvent) and event.key() == Qt.Key.Key_Escape
 
 
 def local_files(data: QMimeData) -> list[str]:

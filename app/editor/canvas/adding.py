@@ -7,20 +7,9 @@ from functools import partial
 from operator import itemgetter
 from typing import Any
 
+from PySide6 import QtWidgets
 from PySide6.QtCore import QEvent, QObject, QPoint, QPointF, QRect, QSize, Qt, Signal
 from PySide6.QtGui import QColor, QFocusEvent, QKeyEvent, QKeySequence, QPainter, QPalette
-from PySide6.QtWidgets import (
-    QFrame,
-    QLabel,
-    QLineEdit,
-    QListWidget,
-    QListWidgetItem,
-    QStyle,
-    QStyledItemDelegate,
-    QStyleOptionViewItem,
-    QVBoxLayout,
-    QWidget,
-)
 
 from app.editor.canvas.canvas_style import face_of, geometry_of
 from app.editor.canvas.node_item import NodePort
@@ -94,24 +83,26 @@ def matching(choices: Sequence[Choice], typed: str) -> list[Choice]:
     return [choice for choice in near if fits(choice, choice.further)]
 
 
-class ChoicePopup(QFrame):
+class ChoicePopup(QtWidgets.QFrame):
     chosen = Signal(object)  # (value): an entry was chosen; the popup has closed
     abandoned = Signal()  # it was closed by Esc, or because the focus went elsewhere
 
     passed_on = QKeySequence("Ctrl+Q")
     """Keys that mean what they mean everywhere: whatever is searched, one can quit."""
 
-    def __init__(self, parent: QWidget) -> None:
+    def __init__(self, parent: QtWidgets.QWidget) -> None:
         super().__init__(parent)
         self._ground = parent
         self.setObjectName("canvas.popup")
-        self.setFrameShape(QFrame.Shape.StyledPanel)
+        self.setFrameShape(QtWidgets.QFrame.Shape.StyledPanel)
         self.setAutoFillBackground(True)
         self.setBackgroundRole(QPalette.ColorRole.Window)  # a view's children take its own
-        self.title = labelled(QLabel(), "canvas.popup.title")
-        self.field = labelled(QLineEdit(placeholderText="Type to search"), "canvas.popup.field")
+        self.title = labelled(QtWidgets.QLabel(), "canvas.popup.title")
+        self.field = labelled(
+            QtWidgets.QLineEdit(placeholderText="Type to search"), "canvas.popup.field"
+        )
         self.field.setClearButtonEnabled(True)
-        self.list = labelled(QListWidget(), "canvas.popup.list")
+        self.list = labelled(QtWidgets.QListWidget(), "canvas.popup.list")
         self.list.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         # A click beside the field would otherwise give the focus to what lies below.
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
@@ -120,7 +111,7 @@ class ChoicePopup(QFrame):
         self.list.setUniformItemSizes(True)
         self.list.setItemDelegate(_Row(self.list))
         parts, margins = (self.title, self.field, self.list), (_PADDING,) * 4
-        self._layout = filled(QVBoxLayout(self), *parts, margins=margins, spacing=4)
+        self._layout = filled(QtWidgets.QVBoxLayout(self), *parts, margins=margins, spacing=4)
         self._choices: tuple[Choice, ...] = ()
         self.is_open = False
         self.field.textChanged.connect(self._filter)
@@ -183,7 +174,7 @@ class ChoicePopup(QFrame):
     def _filter(self, typed: str) -> None:
         self.list.clear()
         for choice in matching(self._choices, typed):
-            item = QListWidgetItem(choice.text)
+            item = QtWidgets.QListWidgetItem(choice.text)
             item.setData(_ROLE, choice)
             item.setToolTip(choice.tip)
             if choice.colour:
@@ -191,7 +182,7 @@ class ChoicePopup(QFrame):
             self.list.addItem(item)
         self.list.setCurrentRow(0)
 
-    def _choose_item(self, item: QListWidgetItem) -> None:
+    def _choose_item(self, item: QtWidgets.QListWidgetItem) -> None:
         choice = item.data(_ROLE)
         if self.dismiss():
             self.chosen.emit(choice.value)
@@ -224,16 +215,16 @@ class ChoicePopup(QFrame):
         return place
 
 
-class _Row(QStyledItemDelegate):
+class _Row(QtWidgets.QStyledItemDelegate):
     """An entry with its detail at the right, if there is room."""
 
-    def paint(self, painter: QPainter, option: QStyleOptionViewItem, index: Any) -> None:
+    def paint(self, painter: QPainter, option: QtWidgets.QStyleOptionViewItem, index: Any) -> None:
         super().paint(painter, option, index)
         choice: Choice = index.data(_ROLE)
         room = option.rect.adjusted(0, 0, -6, 0)
         wide = option.fontMetrics.horizontalAdvance(f"MMM{choice.text}{choice.detail}")
         if wide < room.width():
-            chosen = option.state & QStyle.StateFlag.State_Selected
+            chosen = option.state & QtWidgets.QStyle.StateFlag.State_Selected
             role = QPalette.ColorRole.HighlightedText if chosen else FAINT
             painter.setPen(option.palette.color(role))
             painter.drawText(room, RIGHT, choice.detail)

@@ -11,6 +11,7 @@ from PySide6.QtCore import QEvent, QPoint, QPointF, QRect, Qt, Signal
 from PySide6.QtGui import QAction, QContextMenuEvent, QKeyEvent
 from PySide6.QtWidgets import QHBoxLayout, QMenu, QToolButton, QVBoxLayout, QWidget
 
+from app.editor import widgets
 from app.editor.canvas.adding import Adding, ChoicePopup
 from app.editor.canvas.canvas_style import COLOUR, TINTS, CanvasStyle
 from app.editor.canvas.canvas_view import GraphView, Minimap
@@ -24,15 +25,6 @@ from app.editor.evaluation.evaluator import Evaluator
 from app.editor.panels.fields.type_in import TypeIn
 from app.editor.session import Level, Session
 from app.editor.theme import FAINT, RAISED, raised_palette, theme_of
-from app.editor.widgets import (
-    Menu,
-    centred_hint,
-    filled,
-    labelled,
-    plain_label,
-    tool_button,
-    without_argument,
-)
 from core.editing.backdrops import backdrops_of, change, moved_with_dots, nodes_on, remove
 from core.editing.operations import ABSENT, named, rewire, set_node_field, together
 from core.records import replace
@@ -45,7 +37,7 @@ class Canvas(QWidget):
 
     def __init__(self, session: Session | Level) -> None:
         super().__init__()
-        labelled(self, "canvas", "Canvas")
+        widgets.labelled(self, "canvas", "Canvas")
         self._style = style = CanvasStyle(theme_of(self), self.font())
         self._session = session
         self.thumbnails: NodeThumbnails | None = None
@@ -53,10 +45,12 @@ class Canvas(QWidget):
         self.setFocusProxy(self.view)
         self.content = Content(self.view.scene(), session.library, style)
         self.surface = surface = Surface(session, self.view, self.content, self)
-        self._hint = labelled(centred_hint(TEXT, self.view.viewport()), "canvas.empty_hint")
+        self._hint = widgets.labelled(
+            widgets.centred_hint(TEXT, self.view.viewport()), "canvas.empty_hint"
+        )
         self._hint.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
         self._hint.setForegroundRole(FAINT)
-        filled(QVBoxLayout(self.view.viewport()), self._hint)
+        widgets.filled(QVBoxLayout(self.view.viewport()), self._hint)
         self.marks = Marks(self.content)
         self.minimap = Minimap(self.view, self.content)
         self.popup = ChoicePopup(self.view)
@@ -69,7 +63,7 @@ class Canvas(QWidget):
         self.view.keys = Keys(surface, self.marks, self.dots)
         self.menus = self.view.menus = Menus(surface, self.marks, self.dots, self)
         self.view.dropping = Dropping(surface)
-        filled(QVBoxLayout(self), self.view)
+        widgets.filled(QVBoxLayout(self), self.view)
         self._connect()
         self._take_look()
         self._opened()
@@ -275,7 +269,7 @@ class Menus:
 
 
 def _menu(name: str, parent: QWidget, title: str = "") -> QMenu:
-    menu = labelled(Menu(title, parent), name)
+    menu = widgets.labelled(widgets.Menu(title, parent), name)
     menu.setToolTipsVisible(True)
     return menu
 
@@ -411,13 +405,13 @@ class Crumbs(QWidget):
 
     def __init__(self, level: Level, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        labelled(self, "crumbs", "path to the open macro")
+        widgets.labelled(self, "crumbs", "path to the open macro")
         self._level = level
-        self._row = filled(QHBoxLayout(self), margins=(4, 2, 4, 2), spacing=2)
+        self._row = widgets.filled(QHBoxLayout(self), margins=(4, 2, 4, 2), spacing=2)
         about = "Leave this macro and show the network around it (Alt+PgUp)"
         self.up = self._button("crumbs.up", "↑ Up", about)
         self.up.clicked.connect(level.leave)
-        filled(self._row, self.up, margins=None)
+        widgets.filled(self._row, self.up, margins=None)
         self.steps: list[QToolButton] = []
         self._arrows: list[QWidget] = []
         self._names: tuple[str, ...] = ()
@@ -443,11 +437,11 @@ class Crumbs(QWidget):
             button = self._button(f"crumb.{depth}", text, f"Show the nodes of {text}")
             button.setEnabled(depth < len(path))
             going = partial(self._level.go_to, path[:depth])
-            button.clicked.connect(partial(without_argument, going))
+            button.clicked.connect(partial(widgets.without_argument, going))
             if depth:
-                self._arrows.append(plain_label("", self, "›", role=FAINT))
-                filled(self._row, self._arrows[-1], margins=None)
-            filled(self._row, button, margins=None)
+                self._arrows.append(widgets.plain_label("", self, "›", role=FAINT))
+                widgets.filled(self._row, self._arrows[-1], margins=None)
+            widgets.filled(self._row, button, margins=None)
             self.steps.append(button)
         for widget in (*self.steps, *self._arrows):
             widget.show()
@@ -456,7 +450,7 @@ class Crumbs(QWidget):
         self.raise_()
 
     def _button(self, name: str, text: str, about: str) -> QToolButton:
-        button = tool_button(name, text.replace("&", "&&"), about, self)
+        button = widgets.tool_button(name, text.replace("&", "&&"), about, self)
         button.setAutoRaise(True)
         button.setToolTip(tip(about))
         return button
@@ -488,7 +482,7 @@ class TitleEditor(TypeIn):
         self.setGeometry(place)
         self._index = backdrop.index
         about = "Text of the note" if backdrop.shown.note else "Title of the backdrop"
-        labelled(self, "canvas.title", about)
+        widgets.labelled(self, "canvas.title", about)
         self.show_text(backdrop.title)
         self.setModified(True)  # so that Esc is its own, and no shortcut
         self.selectAll()

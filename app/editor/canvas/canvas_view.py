@@ -3,26 +3,8 @@
 from typing import Any
 
 import numpy as np
+from PySide6 import QtGui
 from PySide6.QtCore import QEvent, QLineF, QPoint, QPointF, QRect, QRectF, QSize, QSizeF, Qt, Signal
-from PySide6.QtGui import (
-    QColor,
-    QContextMenuEvent,
-    QDragEnterEvent,
-    QDragLeaveEvent,
-    QDragMoveEvent,
-    QDropEvent,
-    QFocusEvent,
-    QInputDevice,
-    QKeyEvent,
-    QMouseEvent,
-    QNativeGestureEvent,
-    QPainter,
-    QPaintEvent,
-    QPen,
-    QResizeEvent,
-    QTransform,
-    QWheelEvent,
-)
 from PySide6.QtWidgets import QGraphicsView, QWidget
 
 from app.editor.canvas.canvas_style import CanvasStyle
@@ -155,7 +137,7 @@ class GraphView(NodeViewer):
     def _show(self) -> None:
         # The scene's rectangle is its visible part: there is no range to scroll.
         self.setSceneRect(self.visible_rect())
-        self.setTransform(QTransform.fromScale(self.zoom, self.zoom))
+        self.setTransform(QtGui.QTransform.fromScale(self.zoom, self.zoom))
         self.looked_elsewhere.emit()
 
     def _take_out_the_bases(self) -> None:
@@ -168,7 +150,7 @@ class GraphView(NodeViewer):
 
     # Qt's events
 
-    def drawBackground(self, painter: QPainter, rect: QRectF | QRect) -> None:
+    def drawBackground(self, painter: QtGui.QPainter, rect: QRectF | QRect) -> None:
         theme = self.style_of_canvas.theme
         painter.fillRect(rect, theme.canvas)
         step = _GRID
@@ -181,28 +163,28 @@ class GraphView(NodeViewer):
         )
         lines = [QLineF(x, top, x, bottom) for x in (xs * step).tolist()]
         lines += [QLineF(left, y, right, y) for y in (ys * step).tolist()]
-        pen = QPen(theme.grid)
+        pen = QtGui.QPen(theme.grid)
         pen.setCosmetic(True)
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing, False)
+        painter.setRenderHint(QtGui.QPainter.RenderHint.Antialiasing, False)
         painter.setPen(pen)
         painter.drawLines(lines)
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing, True)
+        painter.setRenderHint(QtGui.QPainter.RenderHint.Antialiasing, True)
 
     def _update_scene(self) -> None:
         if self._ready:
             self._show()
 
-    def resizeEvent(self, event: QResizeEvent) -> None:
+    def resizeEvent(self, event: QtGui.QResizeEvent) -> None:
         QGraphicsView.resizeEvent(self, event)
         if self._ready and self._framed is not None:
             self.frame(self._framed)
         elif self._ready:
             self._show()
 
-    def focusInEvent(self, event: QFocusEvent) -> None:
+    def focusInEvent(self, event: QtGui.QFocusEvent) -> None:
         QGraphicsView.focusInEvent(self, event)
 
-    def focusOutEvent(self, event: QFocusEvent) -> None:
+    def focusOutEvent(self, event: QtGui.QFocusEvent) -> None:
         QGraphicsView.focusOutEvent(self, event)
 
     def focusNextPrevChild(self, onward: bool) -> bool:
@@ -223,35 +205,35 @@ class GraphView(NodeViewer):
 
     def viewportEvent(self, event: QEvent) -> bool:
         pinching = Qt.NativeGestureType.ZoomNativeGesture
-        if isinstance(event, QNativeGestureEvent) and event.gestureType() == pinching:
+        if isinstance(event, QtGui.QNativeGestureEvent) and event.gestureType() == pinching:
             self.zoom_at(max(1.0 + event.value(), _LEAST_PINCH), event.position())
             event.accept()
             return True
         return bool(QGraphicsView.viewportEvent(self, event))
 
-    def mousePressEvent(self, event: QMouseEvent) -> None:
+    def mousePressEvent(self, event: QtGui.QMouseEvent) -> None:
         self.mouse.press(event)
 
-    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+    def mouseMoveEvent(self, event: QtGui.QMouseEvent) -> None:
         self.mouse.move(event)
 
-    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
+    def mouseReleaseEvent(self, event: QtGui.QMouseEvent) -> None:
         self.mouse.release(event)
 
-    def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
+    def mouseDoubleClickEvent(self, event: QtGui.QMouseEvent) -> None:
         self.mouse.double_click(event)
 
     def leaveEvent(self, event: QEvent) -> None:
         QGraphicsView.leaveEvent(self, event)
         self.mouse.leave()
 
-    def wheelEvent(self, event: QWheelEvent) -> None:
+    def wheelEvent(self, event: QtGui.QWheelEvent) -> None:
         """Zoom at the pointer; two fingers on a touchpad pan, and zoom with Ctrl.
 
         A touchpad has phases, or its system gives its kind.
         """
         angle, pixels = event.angleDelta(), event.pixelDelta()
-        touchpad = event.device().type() == QInputDevice.DeviceType.TouchPad
+        touchpad = event.device().type() == QtGui.QInputDevice.DeviceType.TouchPad
         by_fingers = touchpad or event.phase() != Qt.ScrollPhase.NoScrollPhase
         if by_fingers and not event.modifiers() & Qt.KeyboardModifier.ControlModifier:
             self.pan(QPointF(pixels) if not pixels.isNull() else QPointF(angle) / _EIGHTHS_A_PIXEL)
@@ -259,30 +241,30 @@ class GraphView(NodeViewer):
             self.zoom_at(_STEP ** (angle.y() or angle.x()), event.position())
         event.accept()
 
-    def keyPressEvent(self, event: QKeyEvent) -> None:
+    def keyPressEvent(self, event: QtGui.QKeyEvent) -> None:
         if not self.keys.press(event):
             event.ignore()
 
-    def keyReleaseEvent(self, event: QKeyEvent) -> None:
+    def keyReleaseEvent(self, event: QtGui.QKeyEvent) -> None:
         self.keys.release(event)
 
-    def contextMenuEvent(self, event: QContextMenuEvent) -> None:
+    def contextMenuEvent(self, event: QtGui.QContextMenuEvent) -> None:
         self.menus.open(event)
 
-    def dragEnterEvent(self, event: QDragEnterEvent) -> None:
+    def dragEnterEvent(self, event: QtGui.QDragEnterEvent) -> None:
         self.dragMoveEvent(event)
 
-    def dragMoveEvent(self, event: QDragMoveEvent) -> None:
+    def dragMoveEvent(self, event: QtGui.QDragMoveEvent) -> None:
         self._answer(event, taken=self.dropping.over(event))
 
-    def dragLeaveEvent(self, event: QDragLeaveEvent) -> None:
+    def dragLeaveEvent(self, event: QtGui.QDragLeaveEvent) -> None:
         self.dropping.left()
         event.accept()
 
-    def dropEvent(self, event: QDropEvent) -> None:
+    def dropEvent(self, event: QtGui.QDropEvent) -> None:
         self._answer(event, taken=self.dropping.drop(event))
 
-    def _answer(self, event: QDropEvent, *, taken: bool) -> None:
+    def _answer(self, event: QtGui.QDropEvent, *, taken: bool) -> None:
         if taken:
             accept_copy(event)
         else:
@@ -328,39 +310,39 @@ class Minimap(QWidget):
         self.raise_()
         self.update()
 
-    def paintEvent(self, _event: QPaintEvent) -> None:
+    def paintEvent(self, _event: QtGui.QPaintEvent) -> None:
         style, whole = self._view.style_of_canvas, self._content.bounds()
         theme = style.theme
-        with QPainter(self) as painter:
-            ground = QColor(theme.raised)
+        with QtGui.QPainter(self) as painter:
+            ground = QtGui.QColor(theme.raised)
             ground.setAlpha(225)
             painter.fillRect(self.rect(), ground)
-            painter.setPen(QColor(theme.line))
+            painter.setPen(QtGui.QColor(theme.line))
             painter.drawRect(self.rect().adjusted(0, 0, -1, -1))
-            painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+            painter.setRenderHint(QtGui.QPainter.RenderHint.Antialiasing)
             painter.setPen(Qt.PenStyle.NoPen)
             scale = self._scale(whole)
-            marks = [(QColor(theme.canvas), b.frame()) for b in self._content.backdrops]
+            marks = [(QtGui.QColor(theme.canvas), b.frame()) for b in self._content.backdrops]
             for node in self._content.nodes.values():
                 marks.append((style.accent if node.selected else head_colour(node), node.frame()))
             for colour, frame in marks:
                 painter.setBrush(colour)
                 painter.drawRect(_mapped(frame, whole, scale))
-            painter.setPen(QPen(style.accent, 1.5))
+            painter.setPen(QtGui.QPen(style.accent, 1.5))
             painter.setBrush(Qt.BrushStyle.NoBrush)
             seen = _mapped(self._view.visible_rect(), whole, scale)
             painter.drawRect(seen.intersected(QRectF(self.rect()).adjusted(1, 1, -2, -2)))
 
-    def mousePressEvent(self, event: QMouseEvent) -> None:
+    def mousePressEvent(self, event: QtGui.QMouseEvent) -> None:
         if event.button() == Qt.MouseButton.LeftButton:
             self._held = True
             self._go(event.position())
 
-    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+    def mouseMoveEvent(self, event: QtGui.QMouseEvent) -> None:
         if event.buttons() & Qt.MouseButton.LeftButton:
             self._go(event.position())
 
-    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
+    def mouseReleaseEvent(self, event: QtGui.QMouseEvent) -> None:
         event.accept()
         self._held = False
         self.follow()

@@ -15,19 +15,10 @@ from app.editor.library_view import dragged_module
 from app.editor.session import Level, Session
 from app.editor.widgets import local_files
 from app.run.preset_files import KEY
+from core.editing import wiring
 from core.editing.backdrops import following
 from core.editing.layout import GAP_X, Point, free_places, made_way
 from core.editing.operations import Operation, move_nodes, together
-from core.editing.wiring import (
-    Bridge,
-    End,
-    bridged,
-    continued,
-    inserted,
-    new_node,
-    transform_behind,
-    wired_behind,
-)
 from core.modules.declaration import declaration
 from core.network.macro import declared_node
 from core.network.network import Link, Network, Node, reached
@@ -95,13 +86,13 @@ def added(surface: Surface, module: str, at: Point) -> tuple[str, Operation]:
     for selected in session.selection[-1:]:
         frame = surface.content.nodes[selected].frame()
         beside = (frame.right() + GAP_X, frame.top())
-        onward = continued(session.network, session.library, selected, module, beside)
+        onward = wiring.continued(session.network, session.library, selected, module, beside)
         if onward is not None:
             return onward[0], _placed(surface, module, selected, *onward)
         if (behind := _added_behind(surface, module, selected, beside)) is not None:
             return behind
     point = free_place(surface, module, at)
-    return new_node(session.network, session.library, module, point)
+    return wiring.new_node(session.network, session.library, module, point)
 
 
 def _added_behind(
@@ -111,19 +102,21 @@ def _added_behind(
     network, library = surface.session.network, surface.session.library
     known = declared_node(network.nodes[selected], library)
     for port in known.outputs if known is not None else ():
-        bridge = next((b for b in bridged(library, port.types) if b[2].module == module), None)
+        bridge = next(
+            (b for b in wiring.bridged(library, port.types) if b[2].module == module), None
+        )
         if bridge is None:
             continue
-        end: End = (selected, port.name, "output")
-        if between := transform_behind(network, end, bridge[0]):
-            onward = continued(network, library, between, module, at)
+        end: wiring.End = (selected, port.name, "output")
+        if between := wiring.transform_behind(network, end, bridge[0]):
+            onward = wiring.continued(network, library, between, module, at)
             return onward and (onward[0], _placed(surface, module, between, *onward))
         places = two_places(surface, bridge, free_place(surface, bridge[0].module, at))
-        return wired_behind(network, library, end, bridge, places)
+        return wiring.wired_behind(network, library, end, bridge, places)
     return None
 
 
-def two_places(surface: Surface, bridge: Bridge, first: Point) -> tuple[Point, Point]:
+def two_places(surface: Surface, bridge: wiring.Bridge, first: Point) -> tuple[Point, Point]:
     """Of a transform, and of the node behind it."""
     transform, _, candidate = bridge
     beside = first[0] + size_of(surface, transform.module)[0] + GAP_X, first[1]
@@ -224,11 +217,11 @@ def added_at(
 ) -> tuple[WireItem | None, str, Operation]:
     """A new node, in the wire at the point if it fits into one, else on free ground."""
     network, library = surface.session.network, surface.session.library
-    name, adding = new_node(network, library, module, whole(point))
+    name, adding = wiring.new_node(network, library, module, whole(point))
     insertion = _insertion(surface, adding.apply(network), name, (point,))
     if insertion is None:
         at = free_place(surface, module, whole(point))
-        return None, *new_node(network, library, module, at)
+        return None, *wiring.new_node(network, library, module, at)
     wire, leading = insertion
     inserting = together((adding, leading), adding.text)
     return wire, name, with_way_made(surface, inserting, name, size_of(surface, module))
@@ -239,7 +232,7 @@ def _insertion(
 ) -> Insertion | None:
     for place in places:
         for wire in wires_near(surface.content, place, _REACH_PX / surface.view.zoom):
-            operation = inserted(network, surface.session.library, wire.link, name)
+            operation = wiring.inserted(network, surface.session.library, wire.link, name)
             if operation is not None:
                 return wire, operation
     return None

@@ -11,29 +11,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from PySide6 import QtWidgets
 from PySide6.QtCore import QSignalBlocker, Qt, Signal
 from PySide6.QtGui import QKeyEvent
-from PySide6.QtWidgets import (
-    QComboBox,
-    QLabel,
-    QTableWidget,
-    QTableWidgetItem,
-    QVBoxLayout,
-    QWidget,
-)
 
 from app.editor.declared_text import FreeNumber, about, label_of, shown_number, tip, typed_number
+from app.editor.docks import measure_view
 from app.editor.docks.edges import DrawnEdge, SpreadChart, drawn_edges
-from app.editor.docks.measure_view import (
-    Pictures,
-    Report,
-    ViewerPicture,
-    WorkerView,
-    check_stop,
-    pictures_name,
-    pictures_text,
-    split,
-)
 from app.editor.messages import NoticeList, Severity, choose_pictures, sentence
 from app.editor.session import Session
 from app.editor.theme import CHANGED
@@ -61,7 +45,7 @@ _HELD_BYTES = 1 << 28
 _PAUSE_S = 0.05  # between edges that are shown while values change
 
 
-class FitView(WorkerView):
+class FitView(measure_view.WorkerView):
     """Fits the network to a picture in the background, and shows what that gives.
 
     `default_pictures` gives those that are fitted to where no others are chosen, `finish_typing`
@@ -71,14 +55,14 @@ class FitView(WorkerView):
     def __init__(
         self,
         session: Session,
-        default_pictures: Callable[[], Pictures | None],
+        default_pictures: Callable[[], measure_view.Pictures | None],
         finish_typing: Callable[[], None],
     ) -> None:
         super().__init__("fit", "Fit to a picture")
         self.outcome: FitResult | None = None
         self._session = session
         self._default, self._finish_typing = default_pictures, finish_typing
-        self._own: Pictures | None = None
+        self._own: measure_view.Pictures | None = None
         self._fits: list[object] = []  # what was fitted, and that with the values taken
         self._edges: dict[str, DrawnEdge] = {}
         self._build()
@@ -87,10 +71,10 @@ class FitView(WorkerView):
         self.show_state()
 
     @property
-    def pictures(self) -> Pictures | None:
+    def pictures(self) -> measure_view.Pictures | None:
         return self._own if self._own is not None else self._default()
 
-    def choose_pictures(self, pictures: Pictures) -> None:
+    def choose_pictures(self, pictures: measure_view.Pictures) -> None:
         self._own = pictures
         self.show_state()
 
@@ -118,7 +102,7 @@ class FitView(WorkerView):
         session, network = self._session, self._session.plain
         folder, free = session.folder, session.free.all
 
-        def job(stop: threading.Event, report: Report) -> FitResult:
+        def job(stop: threading.Event, report: measure_view.Report) -> FitResult:
             # Imported where it is used: the window opens without it.
             from app.fit.picture_fit import fit_pictures
             from core.chain.engine import Engine
@@ -134,7 +118,7 @@ class FitView(WorkerView):
 
             def watch(patches: tuple[Patch, ...], edges: EdgesAt) -> None:
                 nonlocal next_time
-                check_stop(stop)
+                measure_view.check_stop(stop)
                 if time.monotonic() >= next_time:
                     next_time = time.monotonic() + _PAUSE_S
                     report(drawn_edges(patches, edges))
@@ -143,7 +127,7 @@ class FitView(WorkerView):
 
         self._show_outcome(None)
         self._fits = [self._given]
-        self._say(f"Fitting to {pictures_name(pictures)} …")
+        self._say(f"Fitting to {measure_view.pictures_name(pictures)} …")
         self.start(job)
         self._show_buttons()
 
@@ -182,7 +166,7 @@ class FitView(WorkerView):
             "are used"
         )
         self.file = tool_button("fit.file", "Pictures…", about, self, self._choose_file)
-        self.name = labelled(QLabel(_NO_PICTURE, self), "fit.picture")
+        self.name = labelled(QtWidgets.QLabel(_NO_PICTURE, self), "fit.picture")
         self.name.setTextFormat(Qt.TextFormat.PlainText)
         self.name.setMinimumHeight(self.file.sizeHint().height())  # level with the buttons' texts
         about = "Fit the free parameters to the picture"
@@ -193,17 +177,17 @@ class FitView(WorkerView):
         self.table = FreeTable(self._session, self)
         self.remove = tool_button("fit.remove", "Remove", about, self, self.table.remove_marked)
         about = "Choose which edge of the picture to plot"
-        self.which = labelled(QComboBox(self), "fit.edges", "Edge to plot", about)
-        self.which.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToContents)
-        bar = QWidget(self)
+        self.which = labelled(QtWidgets.QComboBox(self), "fit.edges", "Edge to plot", about)
+        self.which.setSizeAdjustPolicy(QtWidgets.QComboBox.SizeAdjustPolicy.AdjustToContents)
+        bar = QtWidgets.QWidget(self)
         buttons = (self.file, self.fit, self.stop, self.taking, self.remove)
         parts = (*buttons, self.name, self.which)
         filled(FlowLayout(bar, across=4, down=2), *parts, margins=(4, 4, 4, 2))
         self.notices = NoticeList("fit.notices", "Warnings and notes from the fit", self)
         self.chart = SpreadChart(self)
-        halves = split(Qt.Orientation.Horizontal, (self.table, 1), (self.chart, 1))
+        halves = measure_view.split(Qt.Orientation.Horizontal, (self.table, 1), (self.chart, 1))
         self.status = StatusLine("fit", "Status of the fit, or why no fit is possible", "", self)
-        filled(QVBoxLayout(self), bar, self.notices, (halves, 1), self.status, spacing=1)
+        filled(QtWidgets.QVBoxLayout(self), bar, self.notices, (halves, 1), self.status, spacing=1)
 
     def _connect(self) -> None:
         self.table.refused.connect(lambda text: self._say(text, failed=True))
@@ -216,8 +200,8 @@ class FitView(WorkerView):
     def show_state(self, *_: object) -> None:
         self.table.write()
         pictures = self.pictures
-        self.name.setText(_NO_PICTURE if pictures is None else pictures_name(pictures))
-        self.name.setToolTip("" if pictures is None else pictures_text(pictures))
+        self.name.setText(_NO_PICTURE if pictures is None else measure_view.pictures_name(pictures))
+        self.name.setToolTip("" if pictures is None else measure_view.pictures_text(pictures))
         count = len(self._session.free.all)
         self.table.setVisible(bool(count))
         self._show_buttons()
@@ -323,11 +307,11 @@ def limited(
     )
 
 
-def read(pictures: Pictures) -> FittedPictures:
+def read(pictures: measure_view.Pictures) -> FittedPictures:
     from app.fit.picture_fit import FittedPictures, TakenWith, read_pictures
     from app.measure.picture_measurement import BandsError
 
-    if not isinstance(pictures, ViewerPicture):
+    if not isinstance(pictures, measure_view.ViewerPicture):
         try:
             return read_pictures(pictures)
         except BandsError as error:
@@ -365,7 +349,7 @@ _UNDETERMINED = "not determined"
 class FreeTable(CopiedTable):
     refused = Signal(str)  # (text): why a limit is not taken
 
-    def __init__(self, session: Session, parent: QWidget) -> None:
+    def __init__(self, session: Session, parent: QtWidgets.QWidget) -> None:
         super().__init__(0, len(_HEADS), parent)
         self._session = session
         self._fitted: tuple[FittedParameter, ...] = ()
@@ -378,7 +362,7 @@ class FreeTable(CopiedTable):
         triggers = self.editTriggers()
         self.list_figures(_HEADS)
         self.setEditTriggers(triggers)
-        self.setSelectionMode(QTableWidget.SelectionMode.SingleSelection)
+        self.setSelectionMode(QtWidgets.QTableWidget.SelectionMode.SingleSelection)
         self.itemChanged.connect(self._typed)
 
     def show_fitted(self, fitted: tuple[FittedParameter, ...]) -> None:
@@ -412,10 +396,10 @@ class FreeTable(CopiedTable):
                     if column == _FITTED and text == _UNDETERMINED:
                         item.setForeground(self.palette().color(CHANGED))
 
-    def _put(self, row: int, column: int, text: str) -> QTableWidgetItem:
+    def _put(self, row: int, column: int, text: str) -> QtWidgets.QTableWidgetItem:
         item = self.item(row, column)  # one that is being typed in has to stay
         if item is None:
-            item = QTableWidgetItem()
+            item = QtWidgets.QTableWidgetItem()
             self.setItem(row, column, item)
             flags = Qt.ItemFlag.ItemIsEnabled | Qt.ItemFlag.ItemIsSelectable
             if column in _LIMITS:
@@ -442,7 +426,7 @@ class FreeTable(CopiedTable):
             error = "" if fitted.sigma is None else f"{fitted.sigma:.2g}"
         return f"{label_of(number.name)} of {number.node}", now, value, error, unit, low, high
 
-    def _typed(self, item: QTableWidgetItem) -> None:
+    def _typed(self, item: QtWidgets.QTableWidgetItem) -> None:
         number = self._session.free.all[item.row()]
         parameter, text = parameter_of(self._session, *number.place), item.text().strip()
         if parameter is None or item.column() not in _LIMITS:

@@ -9,44 +9,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+from PySide6 import QtWidgets
 from PySide6.QtCore import QMimeData, QSignalBlocker, QSize, Qt, Signal
 from PySide6.QtGui import QDragEnterEvent, QDropEvent, QKeyEvent
-from PySide6.QtWidgets import (
-    QApplication,
-    QComboBox,
-    QSpinBox,
-    QSplitter,
-    QTabWidget,
-    QVBoxLayout,
-    QWidget,
-)
 
+from app.editor import messages, widgets
 from app.editor.declared_text import error_text
 from app.editor.docks.edges import EdgeCanvas, EdgeTable, FigureTable, MtfChart, edge_words
 from app.editor.evaluation.queries import as_error
-from app.editor.messages import (
-    NoticeList,
-    SaveDialog,
-    Severity,
-    choose_pictures,
-    sentence,
-    show_beside,
-)
 from app.editor.session import Session
 from app.editor.viewers.picture.image_viewer import ImageViewer
 from app.editor.viewers.plot.plot_export import have_plot_menu
 from app.editor.viewers.viewer import StatusLine
-from app.editor.widgets import (
-    FlowLayout,
-    accept_copy,
-    filled,
-    labelled,
-    local_files,
-    menu_button,
-    toggle_button,
-    tool_button,
-    without_argument,
-)
 from core.chain.wires import Image
 from core.errors import Cancelled, UsageError
 from core.network.network import Network
@@ -105,7 +79,7 @@ def check_stop(stop: threading.Event) -> None:
         raise Cancelled("stopped on request")
 
 
-class WorkerView(QWidget):
+class WorkerView(QtWidgets.QWidget):
     """Works on pictures, also on files that are dropped; networks are left to its window.
 
     One job at a time is carried out in a thread of its own; a new one stops the one before.
@@ -116,7 +90,7 @@ class WorkerView(QWidget):
 
     def __init__(self, name: str, words: str) -> None:
         super().__init__()
-        labelled(self, name, words)
+        widgets.labelled(self, name, words)
         self.setAcceptDrops(True)
         self._stop: threading.Event | None = None
         self._thread: threading.Thread | None = None
@@ -197,10 +171,10 @@ class WorkerView(QWidget):
 
     def dragEnterEvent(self, event: QDragEnterEvent) -> None:
         if _dropped(event.mimeData()):
-            accept_copy(event)
+            widgets.accept_copy(event)
 
     def dropEvent(self, event: QDropEvent) -> None:
-        accept_copy(event)
+        widgets.accept_copy(event)
         if event.isAccepted():
             self.take_files(_dropped(event.mimeData()))
 
@@ -215,9 +189,9 @@ class WorkerView(QWidget):
         raise NotImplementedError
 
 
-def split(across: Qt.Orientation, *parts: tuple[QWidget, int]) -> QSplitter:
+def split(across: Qt.Orientation, *parts: tuple[QtWidgets.QWidget, int]) -> QtWidgets.QSplitter:
     """Parts with their stretches, between which the person moves the border."""
-    splitter = QSplitter(across, childrenCollapsible=False)
+    splitter = QtWidgets.QSplitter(across, childrenCollapsible=False)
     for index, (part, stretch) in enumerate(parts):
         splitter.addWidget(part)
         splitter.setStretchFactor(index, stretch)
@@ -225,7 +199,7 @@ def split(across: Qt.Orientation, *parts: tuple[QWidget, int]) -> QSplitter:
 
 
 def _dropped(data: QMimeData) -> tuple[Path, ...]:
-    paths = tuple(map(Path, local_files(data)))
+    paths = tuple(map(Path, widgets.local_files(data)))
     network = any(path.suffix.lower() in JSON.suffixes for path in paths)
     return () if network or len(paths) < len(data.urls()) else paths
 
@@ -258,9 +232,9 @@ _BAND = (
 )
 
 
-def _said(remark: str) -> tuple[Severity, str]:
+def _said(remark: str) -> tuple[messages.Severity, str]:
     text = remark.removeprefix("warning: ")
-    return "information" if text == remark else "warning", sentence(text)
+    return "information" if text == remark else "warning", messages.sentence(text)
 
 
 class _Measuring(NamedTuple):
@@ -300,7 +274,7 @@ class MeasureView(WorkerView):
     def measure_shown(self) -> None:
         """Measure what the viewer with the focus shows, or the first that shows something."""
         shown = shown_in(self._viewers)
-        focus = QApplication.focusWidget()
+        focus = QtWidgets.QApplication.focusWidget()
         in_use = [n for n in shown if focus is not None and self._viewers[n].isAncestorOf(focus)]
         self.measure_viewer((*in_use, *shown, 1)[0])
 
@@ -350,13 +324,13 @@ class MeasureView(WorkerView):
 
     def _choose_files(self) -> None:
         title, name = "Measure pictures from one camera", "measure_dialog"
-        choose_pictures(self.window(), title, name=name, chosen=self.take_files)
+        messages.choose_pictures(self.window(), title, name=name, chosen=self.take_files)
 
     def _choose_target(self) -> None:
         name, title = "measure_export_dialog", "Save the measurement"
-        dialog = SaveDialog(self.window(), name, title, _KINDS, self.export, suffix="html")
+        dialog = messages.SaveDialog(self.window(), name, title, _KINDS, self.export, suffix="html")
         dialog.selectFile("measured.html")
-        show_beside(self.window(), dialog)
+        messages.show_beside(self.window(), dialog)
 
     def _list_viewers(self) -> None:
         menu = self.viewer.menu()
@@ -366,7 +340,7 @@ class MeasureView(WorkerView):
             action = menu.addAction(f"Viewer &{number}: {self._viewers[number].choices.port}")
             action.setObjectName(f"measure.viewer_{number}")
             measure = partial(self.measure_viewer, number)
-            action.triggered.connect(partial(without_argument, measure))
+            action.triggered.connect(partial(widgets.without_argument, measure))
         if not shown:
             menu.addAction("No viewer shows a picture").setEnabled(False)
 
@@ -434,44 +408,48 @@ class MeasureView(WorkerView):
     # --- the widget --------------------------------------------------------------------------
 
     def _build(self) -> None:
-        self.viewer = menu_button(
+        self.viewer = widgets.menu_button(
             "measure.viewer", "Measure Viewer", "Measure the picture in a viewer (Ctrl+M)", self
         )
         about = (
             "Measure one picture or several from the same camera; you can also drop pictures here"
         )
-        self.file = tool_button("measure.file", "Files…", about, self, self._choose_files)
+        self.file = widgets.tool_button("measure.file", "Files…", about, self, self._choose_files)
         about = "Stop measuring (Esc)"
-        self.stop = tool_button("measure.cancel", "Cancel", about, self, self.cancel)
+        self.stop = widgets.tool_button("measure.cancel", "Cancel", about, self, self.cancel)
         about = "Exclude the selected edge from the pooled MTF, or include it again (Del)"
-        self.remove = tool_button("measure.remove", "Remove Edge", about, self, self.switch)
-        self.fit = tool_button("measure.fit", "Fit", "Show the whole picture (F)", self)
-        self.unused = toggle_button(
+        self.remove = widgets.tool_button("measure.remove", "Remove Edge", about, self, self.switch)
+        self.fit = widgets.tool_button("measure.fit", "Fit", "Show the whole picture (F)", self)
+        self.unused = widgets.toggle_button(
             "measure.unused", "Not Used", "Also draw the edges that cannot be used", self
         )
         self.unused.setChecked(True)
         about = "Save all results (.json), the MTF (.csv) or a report (.html)"
-        self.write = tool_button("measure.export", "Export…", about, self, self._choose_target)
+        self.write = widgets.tool_button(
+            "measure.export", "Export…", about, self, self._choose_target
+        )
         about = "Picture to show"
-        self.pictures = labelled(QComboBox(self), "measure.pictures", about, about)
-        self.band = labelled(QSpinBox(self), "measure.band", _BAND, _BAND)
+        self.pictures = widgets.labelled(
+            QtWidgets.QComboBox(self), "measure.pictures", about, about
+        )
+        self.band = widgets.labelled(QtWidgets.QSpinBox(self), "measure.band", _BAND, _BAND)
         self.band.setRange(_NO_BAND, _LAST_BAND)
         self.band.setPrefix("Band ")
         self.band.setSpecialValueText("Band –")
         self.band.setKeyboardTracking(False)
         self.band.setValue(_NO_BAND)
-        bar = QWidget(self)
+        bar = QtWidgets.QWidget(self)
         buttons = (self.viewer, self.file, self.stop, self.remove, self.unused, self.fit)
         parts = (*buttons, self.write, self.band, self.pictures)
-        filled(FlowLayout(bar, across=4, down=2), *parts, margins=(4, 4, 4, 2))
-        self.notices = NoticeList(
+        widgets.filled(widgets.FlowLayout(bar, across=4, down=2), *parts, margins=(4, 4, 4, 2))
+        self.notices = messages.NoticeList(
             "measure.notices", "Warnings and notes from the measurement", self
         )
         self.canvas = EdgeCanvas(self)
         self.chart = MtfChart(self)
         self.table = EdgeTable(self)
         self.figures = FigureTable(self)
-        self.tabs = labelled(QTabWidget(self, documentMode=True), "measure.tabs")
+        self.tabs = widgets.labelled(QtWidgets.QTabWidget(self, documentMode=True), "measure.tabs")
         self.tabs.addTab(self.figures, "Figures")
         self.tabs.addTab(self.table, "Edges")
         self.tabs.tabBar().setAccessibleName("Figures or edges")
@@ -479,7 +457,9 @@ class MeasureView(WorkerView):
         halves = split(Qt.Orientation.Horizontal, (self.canvas, 5), (self.right, 4))
         about = "Status of the measurement, or why no measurement is possible"
         self.status = StatusLine("measure", about, "Values there", self)
-        filled(QVBoxLayout(self), bar, self.notices, (halves, 1), self.status, spacing=1)
+        widgets.filled(
+            QtWidgets.QVBoxLayout(self), bar, self.notices, (halves, 1), self.status, spacing=1
+        )
 
     def _connect(self) -> None:
         self.viewer.menu().aboutToShow.connect(self._list_viewers)

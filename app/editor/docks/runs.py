@@ -7,17 +7,9 @@ import time
 from pathlib import Path
 from typing import Any, Literal
 
+from PySide6 import QtWidgets
 from PySide6.QtCore import QObject, QProcess, QProcessEnvironment, QSize, Qt, QTimer, QUrl, Signal
 from PySide6.QtGui import QDesktopServices, QIcon, QKeySequence, QPixmap, QShortcut
-from PySide6.QtWidgets import (
-    QHeaderView,
-    QListWidget,
-    QListWidgetItem,
-    QTreeWidget,
-    QTreeWidgetItem,
-    QVBoxLayout,
-    QWidget,
-)
 
 from app.editor.declared_text import tip
 from app.editor.session import Session
@@ -252,7 +244,7 @@ _HINT = (
 )
 
 
-class RunsView(QWidget):
+class RunsView(QtWidgets.QWidget):
     add_wanted = Signal()  # another run is to be added
 
     def __init__(self, queue: RunQueue) -> None:
@@ -276,24 +268,26 @@ class RunsView(QWidget):
         self.folder = tool_button("runs.folder", "Open Folder", about, self, self._open_folder)
         about = "Open the selected run's report or trade-off"
         self.page = tool_button("runs.page", "Open Report", about, self, self._open_page)
-        bar = QWidget(self)
+        bar = QtWidgets.QWidget(self)
         buttons = (self.add, self.stop, self.clear, self.folder, self.page)
         filled(FlowLayout(bar, across=4, down=2), *buttons, margins=(4, 4, 4, 2))
-        self.list = labelled(QTreeWidget(self), "runs.list", "Queued, running and finished runs")
+        self.list = labelled(
+            QtWidgets.QTreeWidget(self), "runs.list", "Queued, running and finished runs"
+        )
         self.list.setColumnCount(2)
         self.list.setHeaderHidden(True)
         self.list.setRootIsDecorated(False)
-        self.list.header().setSectionResizeMode(QHeaderView.ResizeMode.Stretch)
+        self.list.header().setSectionResizeMode(QtWidgets.QHeaderView.ResizeMode.Stretch)
         self.hint = labelled(centred_hint(_HINT, self), "runs.hint")
         self.previews = labelled(
-            QListWidget(self), "runs.previews", "Pictures from the selected run"
+            QtWidgets.QListWidget(self), "runs.previews", "Pictures from the selected run"
         )
-        self.previews.setViewMode(QListWidget.ViewMode.IconMode)
-        self.previews.setMovement(QListWidget.Movement.Static)
-        self.previews.setResizeMode(QListWidget.ResizeMode.Adjust)
+        self.previews.setViewMode(QtWidgets.QListWidget.ViewMode.IconMode)
+        self.previews.setMovement(QtWidgets.QListWidget.Movement.Static)
+        self.previews.setResizeMode(QtWidgets.QListWidget.ResizeMode.Adjust)
         self.previews.setTextElideMode(Qt.TextElideMode.ElideMiddle)
         parts = (bar, (self.hint, 1), (self.list, 2), (self.previews, 3))
-        filled(QVBoxLayout(self), *parts, spacing=2)
+        filled(QtWidgets.QVBoxLayout(self), *parts, spacing=2)
         self.add.clicked.connect(self.add_wanted)
         self.list.itemActivated.connect(lambda *_: self._open_page() or self._open_folder())
         self.list.currentItemChanged.connect(self._show_current)
@@ -313,7 +307,7 @@ class RunsView(QWidget):
     def _fill(self) -> None:
         runs = self._queue.runs
         self.list.clear()
-        self.list.addTopLevelItems([QTreeWidgetItem() for _ in runs])
+        self.list.addTopLevelItems([QtWidgets.QTreeWidgetItem() for _ in runs])
         for run in runs:
             self._show(run)
         self.hint.setVisible(not runs)
@@ -359,7 +353,7 @@ class RunsView(QWidget):
             picture = QPixmap()
             picture.loadFromData(preview.png, "PNG")  # type: ignore[call-overload]
             value = preview.name.rpartition("=")[2]
-            QListWidgetItem(QIcon(picture), value, self.previews).setToolTip(preview.name)
+            QtWidgets.QListWidgetItem(QIcon(picture), value, self.previews).setToolTip(preview.name)
 
     def _stop(self) -> None:
         if self.current is not None:

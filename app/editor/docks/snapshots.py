@@ -6,20 +6,9 @@ from functools import partial
 from pathlib import Path
 from typing import Any, ClassVar
 
+from PySide6 import QtWidgets
 from PySide6.QtCore import QObject, QSignalBlocker, QSize, Qt, QTimer, Signal
 from PySide6.QtGui import QKeyEvent, QShowEvent
-from PySide6.QtWidgets import (
-    QAbstractItemView,
-    QHBoxLayout,
-    QHeaderView,
-    QListWidget,
-    QListWidgetItem,
-    QSplitter,
-    QTreeWidget,
-    QTreeWidgetItem,
-    QVBoxLayout,
-    QWidget,
-)
 
 from app.editor.declared_text import error_text, label_of
 from app.editor.docks.tradeoff_view import SideWork
@@ -360,21 +349,21 @@ class SnapshotsView(Viewer):
         self.title = ElidedLabel("snapshots.title", "Number of figures that differ", self)
         self.title.setContentsMargins(6, 0, 2, 0)
         self.figures = labelled(
-            QListWidget(self), "snapshots.figures",
+            QtWidgets.QListWidget(self), "snapshots.figures",
             "Figures that differ; Ctrl+C copies the selected figure",
             "Figures in the snapshot (A) → current figures (B)",
         )  # fmt: skip
         self.figures.setWordWrap(True)
         buttons = (self.keep, self.flip, self.wipe, self.back, self.remove)
-        bar = filled(QHBoxLayout(), *buttons, None, margins=(2, 2, 2, 0), spacing=3)
+        bar = filled(QtWidgets.QHBoxLayout(), *buttons, None, margins=(2, 2, 2, 0), spacing=3)
         line = self.fontMetrics().height()
         self.list.setMinimumHeight(4 * line)
-        parts = QSplitter(Qt.Orientation.Vertical, self, childrenCollapsible=False)
+        parts = QtWidgets.QSplitter(Qt.Orientation.Vertical, self, childrenCollapsible=False)
         parts.addWidget(self.list)
         parts.addWidget(self.figures)
         parts.setSizes([5 * line, 15 * line])
         margins = (0, 0, 0, 4)  # the line keeps off the ring of focus
-        filled(QVBoxLayout(self), bar, (parts, 1), self.title, margins=margins, spacing=1)
+        filled(QtWidgets.QVBoxLayout(self), bar, (parts, 1), self.title, margins=margins, spacing=1)
 
     def _follow_snapshots(self) -> None:
         way, chosen = self._snapshots.way, self._snapshots.chosen
@@ -401,7 +390,7 @@ class SnapshotsView(Viewer):
             self.title.show_text(f"A: {state.name}, B: now; {len(lines)} of {count} figures differ")
 
 
-class SnapshotList(QTreeWidget):
+class SnapshotList(QtWidgets.QTreeWidget):
     """The newest first, the current row is A; F2 renames, Del removes, Enter goes back."""
 
     def __init__(self, snapshots: Snapshots) -> None:
@@ -414,9 +403,9 @@ class SnapshotList(QTreeWidget):
         )  # fmt: skip
         self.setHeaderLabels(["Snapshot", "Kept"])
         self.setRootIsDecorated(False)
-        triggers = QAbstractItemView.EditTrigger
+        triggers = QtWidgets.QAbstractItemView.EditTrigger
         self.setEditTriggers(triggers.EditKeyPressed | triggers.DoubleClicked)
-        self.header().setSectionResizeMode(0, QHeaderView.ResizeMode.ResizeToContents)
+        self.header().setSectionResizeMode(0, QtWidgets.QHeaderView.ResizeMode.ResizeToContents)
         self.currentItemChanged.connect(self._current_changed)
         self.itemChanged.connect(self._renamed)
 
@@ -426,7 +415,7 @@ class SnapshotList(QTreeWidget):
             rows = range(self.topLevelItemCount())
             if states != [_state_of(self.topLevelItem(row)) for row in rows]:
                 self.clear()
-                self.addTopLevelItems([QTreeWidgetItem() for _ in states])
+                self.addTopLevelItems([QtWidgets.QTreeWidgetItem() for _ in states])
             for row, state in enumerate(states):
                 item = self.topLevelItem(row)
                 assert item is not None
@@ -439,7 +428,7 @@ class SnapshotList(QTreeWidget):
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         item, key = self.currentItem(), event.key()
-        if item is None or self.state() is QAbstractItemView.State.EditingState:
+        if item is None or self.state() is QtWidgets.QAbstractItemView.State.EditingState:
             super().keyPressEvent(event)
         elif key in (Qt.Key.Key_Delete, Qt.Key.Key_Backspace):
             self._snapshots.remove(_state_of(item))
@@ -451,11 +440,11 @@ class SnapshotList(QTreeWidget):
     def keyboardSearch(self, search: str) -> None:
         """Letters are shortcuts here, and look nothing up."""
 
-    def _current_changed(self, item: QTreeWidgetItem | None, _before: object) -> None:
+    def _current_changed(self, item: QtWidgets.QTreeWidgetItem | None, _before: object) -> None:
         if item is not None:
             self._snapshots.choose(_state_of(item))
 
-    def _renamed(self, item: QTreeWidgetItem, _column: int) -> None:
+    def _renamed(self, item: QtWidgets.QTreeWidgetItem, _column: int) -> None:
         self._snapshots.rename(_state_of(item), item.text(0))
 
 
@@ -463,10 +452,10 @@ def _state_of(item: Any) -> Any:
     return item.data(0, _STATE)
 
 
-class HistoryList(QListWidget):
+class HistoryList(QtWidgets.QListWidget):
     """The present step is bold, undone ones are italic; a click or Enter goes to a step."""
 
-    def __init__(self, session: Session, parent: QWidget | None = None) -> None:
+    def __init__(self, session: Session, parent: QtWidgets.QWidget | None = None) -> None:
         super().__init__(parent)
         tip = "Edits of this network; click an edit or press Enter to go back or forward to it"
         labelled(self, "history", "History", tip)
@@ -485,7 +474,7 @@ class HistoryList(QListWidget):
     def sizeHint(self) -> QSize:
         return QSize(45, 40) * self.fontMetrics().averageCharWidth()
 
-    def _go(self, item: QListWidgetItem) -> None:
+    def _go(self, item: QtWidgets.QListWidgetItem) -> None:
         self._session.document.go_to(self.row(item))
 
     def _follow(self) -> None:
@@ -496,7 +485,9 @@ class HistoryList(QListWidget):
         self.clear()
         for row in range(document.last + 1):
             saved = row == document.saved and document.path is not None
-            item = QListWidgetItem((document.line(row) or "Start") + ("  (saved)" if saved else ""))
+            item = QtWidgets.QListWidgetItem(
+                (document.line(row) or "Start") + ("  (saved)" if saved else "")
+            )
             font.setBold(row == document.position)
             font.setItalic(row > document.position)
             item.setFont(font)

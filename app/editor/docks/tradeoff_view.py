@@ -13,17 +13,7 @@ from PySide6.QtGui import QShowEvent
 from PySide6.QtWidgets import QFrame, QLineEdit, QScrollArea, QVBoxLayout, QWidget, QWidgetAction
 
 from app.editor.declared_text import label_of, shown_figure, shown_number
-from app.editor.docks.tradeoff_plots import (
-    RANGE,
-    Graph,
-    ParameterChoice,
-    Span,
-    TradeOffPlots,
-    Varied,
-    coarse_first,
-    typed_span,
-    usual_span,
-)
+from app.editor.docks import tradeoff_plots
 from app.editor.evaluation.queries import Answer, Passing, Query
 from app.editor.panels.fields.type_in import TypeIn
 from app.editor.session import Session, renamed_node
@@ -67,8 +57,8 @@ class TradeOffView(Viewer):
     ) -> None:
         super().__init__(session, evaluator, "tradeoff", parent)
         self.setAccessibleName("Trade-off")
-        self.varied = Varied(session, self._refuse)
-        self.span: Span | None = None
+        self.varied = tradeoff_plots.Varied(session, self._refuse)
+        self.span: tradeoff_plots.Span | None = None
         self.figures: dict[str, Figure] = {}
         self.points: dict[Any, Point] = {}
         self._chosen: frozenset[str] | None = None
@@ -89,7 +79,7 @@ class TradeOffView(Viewer):
         parameter = self.varied.parameter
         if parameter is None:
             self.varied.choose()
-        self.span = usual_span(parameter, self.varied.present) if parameter else None
+        self.span = tradeoff_plots.usual_span(parameter, self.varied.present) if parameter else None
         self._begin()
 
     def set_span(self, span: Any) -> None:
@@ -121,7 +111,7 @@ class TradeOffView(Viewer):
     def queries(self) -> tuple[Query, ...]:
         if self.span is None or not self.shown:
             return ()
-        varied, parts = self.varied, coarse_first(self.span.values())
+        varied, parts = self.varied, tradeoff_plots.coarse_first(self.span.values())
         return tuple(TradeOffQuery(varied.node, varied.name, part, self.shown) for part in parts)
 
     def take(self, answer: Answer) -> None:
@@ -157,16 +147,18 @@ class TradeOffView(Viewer):
         return QSize(75 * width, 20 * line)
 
     def _build(self) -> None:
-        self.parameter = ParameterChoice(self.session, self)
+        self.parameter = tradeoff_plots.ParameterChoice(self.session, self)
         labelled(self.parameter, "tradeoff.parameter", "Parameter to vary")
-        self.range = labelled(TypeIn(self, characters=16), "tradeoff.range", "Range", RANGE)
+        self.range = labelled(
+            TypeIn(self, characters=16), "tradeoff.range", "Range", tradeoff_plots.RANGE
+        )
         self.choose = menu_button("tradeoff.choose", "Figures", "Choose the figures to show", self)
         self.choice = FigureMenu(self.choose)
         self.choose.setMenu(self.choice)
         bar = QWidget(self)
         parts = (self.parameter, self.range, self.choose)
         filled(FlowLayout(bar, across=4, down=2), *parts, margins=(2, 2, 2, 0))
-        self.plots = TradeOffPlots(self)
+        self.plots = tradeoff_plots.TradeOffPlots(self)
         self.list = self.choice.list
         self.status = StatusLine(
             self.owner, "Values that could not be computed", "Values there", self
@@ -206,7 +198,7 @@ class TradeOffView(Viewer):
 
     def _typed(self, text: str) -> None:
         try:
-            self.set_span(typed_span(self.session, self.varied, text))
+            self.set_span(tradeoff_plots.typed_span(self.session, self.varied, text))
         except ImagechainError as error:
             self.range.mark()
             self._refuse(error.message)
@@ -255,7 +247,7 @@ class TradeOffView(Viewer):
             y = np.array(numbers, np.float64)
             y[~np.isfinite(y)] = np.nan
             alike = sum(other.name == figure.name for other in shown) > 1
-            graphs.append(Graph(figure.text, title_of(figure, whose=alike), x, y))
+            graphs.append(tradeoff_plots.Graph(figure.text, title_of(figure, whose=alike), x, y))
         self.plots.show_graphs(graphs, self.span, self.varied.label)
         self._show_gaps()
 

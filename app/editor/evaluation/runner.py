@@ -14,14 +14,7 @@ from typing import Any
 import numpy as np
 
 from app.editor.declared_text import error_text
-from app.editor.evaluation.changes import (
-    Change,
-    Planned,
-    edited,
-    plan_held,
-    reduced_network,
-    with_same_nodes,
-)
+from app.editor.evaluation import changes
 from app.editor.evaluation.queries import (
     Answer,
     Badge,
@@ -79,7 +72,7 @@ class Task:
     snapshot: Snapshot
     plan: Plan
     due: Sequence[Due]
-    change: Change
+    change: changes.Change
     reduced: int = 1
     expected: float = 0.0
     has_preview: bool = False
@@ -112,7 +105,7 @@ class Runner:
         self._given_up: set[Request] = set()  # left unanswered until there is an edit
         self._last: Snapshot | None = None
         self._done: Snapshot | None = None
-        self._planned: Planned | None = None
+        self._planned: changes.Planned | None = None
         self._small: Plan | None = None
         self._has_preview = False
         self._skipped: dict[str, str] = {}
@@ -130,7 +123,7 @@ class Runner:
 
     def _work_on(self, snapshot: Snapshot) -> None:
         generate = self._follow(snapshot)
-        self._planned = plan_held(
+        self._planned = changes.plan_held(
             self._engine, snapshot.network, snapshot.folder, self._planned, generate=generate
         )
         plan = self._planned.shown
@@ -150,7 +143,7 @@ class Runner:
             self._finish(snapshot)
 
     def _task(self, snapshot: Snapshot, plan: Plan) -> Task:
-        change = edited(self._done.network if self._done else None, snapshot.network)
+        change = changes.edited(self._done.network if self._done else None, snapshot.network)
         task = Task(
             snapshot,
             plan,
@@ -231,19 +224,19 @@ class Runner:
         paused = self._pass(task.preview) and self._inbox.quiet_until(pause)
         return paused or self._is_cancelled(task.snapshot)
 
-    def _small_network(self, reduced: int, change: Change = None) -> Network | None:
+    def _small_network(self, reduced: int, change: changes.Change = None) -> Network | None:
         planned = self._planned
         if planned is None or planned.stale:
             return None  # what is held back has a recipe of full size only
         names = {item[0] for item in change or () if isinstance(item, tuple)}
-        return reduced_network(planned.shown, reduced, edited=names)
+        return changes.reduced_network(planned.shown, reduced, edited=names)
 
-    def _small_plan(self, snapshot: Snapshot, reduced: int, change: Change) -> Plan | None:
+    def _small_plan(self, snapshot: Snapshot, reduced: int, change: changes.Change) -> Plan | None:
         small, before = self._small_network(reduced, change), self._small
         if small is None:
             return None
         if before is not None:
-            small = with_same_nodes(small, before.network)
+            small = changes.with_same_nodes(small, before.network)
         self._small = self._engine.plan(small, folder=snapshot.folder, previous=before)
         return self._small
 

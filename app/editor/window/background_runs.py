@@ -20,18 +20,10 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from app.editor import messages
 from app.editor.declared_text import label_of
 from app.editor.docks.runs import RunQueue, RunsView, failures_text, job_of, proposed_folder
 from app.editor.docks.tradeoff_plots import ParameterChoice, Varied, typed_values, usual_span
-from app.editor.messages import (
-    ROLE,
-    FileDialog,
-    Question,
-    SaveDialog,
-    choose_pictures,
-    drop_dialogs,
-    show_beside,
-)
 from app.editor.session import Session
 from app.editor.theme import ERROR
 from app.editor.widgets import Check, filled, labelled, plain_label, show_or_hide, tool_button
@@ -57,25 +49,25 @@ class BackgroundRuns(QObject):
         self._session = session
         self._window = window
         self._finish_typing = finish_typing
-        self._question: Question | None = None
+        self._question: messages.Question | None = None
         self.queue = RunQueue(self)
         self.view = RunsView(self.queue)
         self.dock = add_dock(window, "Runs", "runs", self.view, hidden=True)
         self.view.add_wanted.connect(self.add)
         self.queue.changed.connect(self._say_end)
         for name in ("add_run", "report_dialog"):
-            session.opened.connect(partial(drop_dialogs, window, name))
+            session.opened.connect(partial(messages.drop_dialogs, window, name))
 
     def report(self) -> None:
         path = self._session.document.path
         kinds, title = dialog_filter("Reports", HTML), "Write the report"
         folder = path.parent if path is not None else None
         taken = self.report_to
-        dialog = SaveDialog(
+        dialog = messages.SaveDialog(
             self._window, "report_dialog", title, kinds, taken, suffix="html", folder=folder
         )
         dialog.selectFile(f"{self._session.stem}.html")
-        show_beside(self._window, dialog)
+        messages.show_beside(self._window, dialog)
 
     def report_to(self, file: Path) -> None:
         self._finish_typing()
@@ -98,7 +90,7 @@ class BackgroundRuns(QObject):
         dialog = AddRun(self._session, self._taken, self._window)
         dialog.about_to_add.connect(self._finish_typing)
         dialog.added.connect(self._add)
-        show_beside(self._window, dialog)
+        messages.show_beside(self._window, dialog)
         dialog.kinds.setFocus(Qt.FocusReason.OtherFocusReason)
 
     def go_on(self, following: Next) -> bool:
@@ -107,10 +99,10 @@ class BackgroundRuns(QObject):
         if unfinished and self._question is None:
             text = f"Unfinished runs: {', '.join(run.title for run in unfinished)}"
             more = "Results not yet written will be lost."
-            box = Question(self._window, "runs_go_on", "Stop the runs?", text, more)
+            box = messages.Question(self._window, "runs_go_on", "Stop the runs?", text, more)
             self._question = box
-            box.offer("cancel", "&Keep Running", ROLE.RejectRole)
-            box.offer("stop", "&Stop and Quit", ROLE.DestructiveRole)
+            box.offer("cancel", "&Keep Running", messages.ROLE.RejectRole)
+            box.offer("stop", "&Stop and Quit", messages.ROLE.DestructiveRole)
             box.finished.connect(lambda _: self._answered(following))
             box.open()
         elif self._question is not None:
@@ -262,15 +254,19 @@ class AddRun(QDialog):
             self._say("")
 
     def _choose_files(self) -> None:
-        choose_pictures(self, "Choose pictures", name="add_run.dialog", chosen=self._take_files)
+        messages.choose_pictures(
+            self, "Choose pictures", name="add_run.dialog", chosen=self._take_files
+        )
 
     def _choose_folder(self) -> None:
         folder = str(self._session.folder.absolute())
-        dialog = labelled(FileDialog(self, "Choose the output folder", folder), "add_run.dialog")
+        dialog = labelled(
+            messages.FileDialog(self, "Choose the output folder", folder), "add_run.dialog"
+        )
         dialog.setFileMode(QFileDialog.FileMode.Directory)
         dialog.setOption(QFileDialog.Option.ShowDirsOnly)
         dialog.fileSelected.connect(self.folder.setText)
-        show_beside(self, dialog)
+        messages.show_beside(self, dialog)
 
     def _take_files(self, paths: tuple[Path, ...]) -> None:
         self._files = tuple(map(str, paths))

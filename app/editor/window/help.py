@@ -3,17 +3,9 @@
 from functools import partial
 from pathlib import Path
 
+from PySide6 import QtWidgets
 from PySide6.QtCore import QObject, QProcess, Qt, QUrl
 from PySide6.QtGui import QDesktopServices, QKeySequence
-from PySide6.QtWidgets import (
-    QApplication,
-    QDialog,
-    QLineEdit,
-    QMessageBox,
-    QTableWidgetItem,
-    QVBoxLayout,
-    QWidget,
-)
 
 from app.editor.docks.runs import python_environment
 from app.editor.docks.tradeoff_view import TradeOffView
@@ -41,7 +33,7 @@ _PICTURES = ";;".join(
 
 
 class Help(QObject):
-    def __init__(self, session: Session, viewers: ViewerDocks, window: QWidget) -> None:
+    def __init__(self, session: Session, viewers: ViewerDocks, window: QtWidgets.QWidget) -> None:
         super().__init__(window)
         self._session = session
         self._viewers = viewers
@@ -62,7 +54,7 @@ class Help(QObject):
             self.handbook.open(declared.key if declared.key in self._session.library else _MACROS)
 
     def about(self) -> None:
-        box = labelled(QMessageBox(self._window), "message")
+        box = labelled(QtWidgets.QMessageBox(self._window), "message")
         box.setWindowTitle("Imagechain")
         box.setText(
             f"Version {version()}\n\nSimulates electro-optical and infrared sensors as a chain of "
@@ -73,7 +65,7 @@ class Help(QObject):
 
     def export(self) -> None:
         """Write the viewer that has the keyboard; else the first picture."""
-        focus, viewers = QApplication.focusWidget(), self._viewers
+        focus, viewers = QtWidgets.QApplication.focusWidget(), self._viewers
         others: tuple[Exported, ...] = (viewers.plot, viewers.tradeoff, *viewers.images.values())
         used = (one for one in others if focus is not None and one.isAncestorOf(focus))
         viewer = next(used, viewers.images[1])
@@ -163,14 +155,16 @@ BESIDE_ACTIONS = (
 OR = "  or  "
 
 
-class ShortcutList(QDialog):
+class ShortcutList(QtWidgets.QDialog):
     """All shortcuts, read from the actions themselves, with a field that filters them."""
 
-    def __init__(self, actions: Actions, parent: QWidget) -> None:
+    def __init__(self, actions: Actions, parent: QtWidgets.QWidget) -> None:
         super().__init__(parent)
         self.setObjectName("shortcuts")
         self.setWindowTitle("Shortcuts")
-        self.search = labelled(QLineEdit(self), "shortcuts.search", "Search the shortcuts")
+        self.search = labelled(
+            QtWidgets.QLineEdit(self), "shortcuts.search", "Search the shortcuts"
+        )
         self.search.setPlaceholderText("Name of an action, or its keys")
         self.search.setClearButtonEnabled(True)
         rows = (*shortcuts_of(actions), *BESIDE_ACTIONS)
@@ -179,9 +173,9 @@ class ShortcutList(QDialog):
         self.table = table
         for number, row in enumerate(rows):
             for column, text in enumerate(row):
-                table.setItem(number, column, QTableWidgetItem(text))
+                table.setItem(number, column, QtWidgets.QTableWidgetItem(text))
         table.list_figures(("Menu", "Action", "Keys", "What it does"), widest=3)
-        filled(QVBoxLayout(self), self.search, (table, 1), margins=None)
+        filled(QtWidgets.QVBoxLayout(self), self.search, (table, 1), margins=None)
         metrics = self.fontMetrics()
         self.resize(metrics.averageCharWidth() * 110, metrics.height() * 28)
         self.search.textChanged.connect(self._filter)

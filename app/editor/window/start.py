@@ -8,16 +8,7 @@ import time
 from functools import partial
 from pathlib import Path
 
-from PySide6.QtCore import (
-    QBuffer,
-    QByteArray,
-    QCoreApplication,
-    QEventLoop,
-    QSize,
-    Qt,
-    QTimer,
-    qInstallMessageHandler,
-)
+from PySide6 import QtCore
 from PySide6.QtGui import QImage, QImageWriter
 from PySide6.QtWidgets import QApplication, QWidget
 
@@ -62,7 +53,7 @@ def start(
     On a signal to end it closes without a question: unsaved work is kept to be recovered.
     """
     app = application()
-    qInstallMessageHandler(_quiet)
+    QtCore.qInstallMessageHandler(_quiet)
     if screenshot is not None:
         take(app, network, screenshot, size or (1600, 900), look or "dark", part)
         return
@@ -79,7 +70,7 @@ def start(
         if stop_requested.is_set():
             problem = window.stop() or problem
 
-    wake = QTimer()
+    wake = QtCore.QTimer()
     wake.timeout.connect(end_on_request)
     wake.start(_WAKE_MS)
     with nothing_collected():
@@ -106,10 +97,10 @@ def built(
     if look is not None:
         window.set_theme(THEMES[look])
     if size is not None:
-        window.setWindowState(Qt.WindowState.WindowNoState)
+        window.setWindowState(QtCore.Qt.WindowState.WindowNoState)
         window.resize(*size)
     elif settings.first:
-        window.setWindowState(Qt.WindowState.WindowMaximized)
+        window.setWindowState(QtCore.Qt.WindowState.WindowMaximized)
     if first := network or (FIRST if settings.first else ""):
         window.open_first(first)
     return window
@@ -121,7 +112,9 @@ def show_painted(window: MainWindow) -> None:
     window.show()
     handle, end = window.windowHandle(), time.monotonic() + _SETTLE_S
     while not handle.isExposed() and time.monotonic() < end:
-        QCoreApplication.processEvents(QEventLoop.ProcessEventsFlag.ExcludeUserInputEvents, 20)
+        QtCore.QCoreApplication.processEvents(
+            QtCore.QEventLoop.ProcessEventsFlag.ExcludeUserInputEvents, 20
+        )
     window.repaint()
     window.setWindowOpacity(1.0)
 
@@ -201,7 +194,7 @@ def settle(window: MainWindow) -> None:
     """Run the event loop until nothing is computed any more and all has been drawn."""
     start = quiet_since = time.monotonic()
     while time.monotonic() - quiet_since < _SETTLE_S:
-        QCoreApplication.processEvents(QEventLoop.ProcessEventsFlag.AllEvents, 20)
+        QtCore.QCoreApplication.processEvents(QtCore.QEventLoop.ProcessEventsFlag.AllEvents, 20)
         now = time.monotonic()
         idle = window.evaluator.idle
         if not idle:
@@ -217,14 +210,16 @@ def _picture(window: MainWindow, size: tuple[int, int]) -> QImage:
         window.viewers.images[1].save_as(file)
         picture = QImage(str(file))
     if picture.width() > size[0] or picture.height() > size[1]:
-        smooth = Qt.TransformationMode.SmoothTransformation
-        picture = picture.scaled(QSize(*size), Qt.AspectRatioMode.KeepAspectRatio, smooth)
+        smooth = QtCore.Qt.TransformationMode.SmoothTransformation
+        picture = picture.scaled(
+            QtCore.QSize(*size), QtCore.Qt.AspectRatioMode.KeepAspectRatio, smooth
+        )
     return picture
 
 
 def encoded(image: QImage) -> bytes:
-    buffer = QBuffer()
-    writer = QImageWriter(buffer, QByteArray(b"PNG"))
+    buffer = QtCore.QBuffer()
+    writer = QImageWriter(buffer, QtCore.QByteArray(b"PNG"))
     writer.setCompression(20)  # half the time of the usual one; files are no larger
     if not writer.write(image):
         raise FileError("the screenshot could not be encoded as PNG")

@@ -3,16 +3,9 @@
 from collections.abc import Callable, Sequence
 from functools import partial
 
+from PySide6 import QtWidgets
 from PySide6.QtCore import QEvent, QObject, QPoint, QRect, Qt, QTimer, Signal
 from PySide6.QtGui import QAction, QKeySequence, QPainter, QPaintEvent, QPalette, QRegion, QShortcut
-from PySide6.QtWidgets import (
-    QApplication,
-    QDockWidget,
-    QGraphicsView,
-    QMainWindow,
-    QTabBar,
-    QWidget,
-)
 from shiboken6 import isValid
 
 from app.editor.docks.tradeoff_view import TradeOffView
@@ -36,7 +29,9 @@ class ViewerDocks(QObject):
 
     made = Signal(object)  # (dock): a viewer has been made, and is in its place
 
-    def __init__(self, session: Session, evaluator: Evaluator, window: QMainWindow) -> None:
+    def __init__(
+        self, session: Session, evaluator: Evaluator, window: QtWidgets.QMainWindow
+    ) -> None:
         super().__init__(window)
         self._session = session
         self._evaluator = evaluator
@@ -44,7 +39,7 @@ class ViewerDocks(QObject):
         self.picture_actions: tuple[QAction, ...] = ()
         self._compare_actions: tuple[QAction, ...] = ()
         self.images: dict[int, ImageViewer] = {}
-        self.docks: dict[int, QDockWidget] = {}
+        self.docks: dict[int, QtWidgets.QDockWidget] = {}
         self.plot = PlotViewer(session, evaluator)
         self.plot_dock = add_dock(window, "Curves", "curves", self.plot)
         self._viewer(1)
@@ -123,7 +118,7 @@ class ViewerDocks(QObject):
         """Tabs of docks behind one another are Qt's own, made when needed."""
         if not isValid(self._window):  # type: ignore[no-untyped-call] # they vanish with the window
             return
-        for bar in self._window.findChildren(QTabBar):
+        for bar in self._window.findChildren(QtWidgets.QTabBar):
             bar.setAccessibleName(bar.accessibleName() or "Tabs")
 
 
@@ -131,28 +126,28 @@ class ViewerDocks(QObject):
 
 
 def add_dock(
-    window: QMainWindow,
+    window: QtWidgets.QMainWindow,
     title: str,
     name: str,
-    widget: QWidget,
+    widget: QtWidgets.QWidget,
     area: Qt.DockWidgetArea = _BOTTOM,
     *,
     hidden: bool = False,
-) -> QDockWidget:
+) -> QtWidgets.QDockWidget:
     """Put a widget in a dock of that title; `name` is what its place is remembered under."""
-    dock = labelled(QDockWidget(title, window), f"dock.{name}")
+    dock = labelled(QtWidgets.QDockWidget(title, window), f"dock.{name}")
     dock.setWidget(widget)
     window.addDockWidget(area, dock)
     dock.setHidden(hidden)
     return dock
 
 
-def in_front(dock: QDockWidget) -> bool:
+def in_front(dock: QtWidgets.QDockWidget) -> bool:
     """Whether a dock is seen: Qt calls one visible behind another's tab, and has it outside."""
     return dock.isVisible() and not dock.visibleRegion().isEmpty()
 
 
-def bring_forward(dock: QDockWidget, focus: QWidget) -> None:
+def bring_forward(dock: QtWidgets.QDockWidget, focus: QtWidgets.QWidget) -> None:
     dock.show()
     dock.raise_()
     focus.setFocus(Qt.FocusReason.OtherFocusReason)
@@ -166,17 +161,17 @@ _BACK = ("F11", "Esc")
 class FullScreen(QObject):
     """Makes the viewer in use a window over the whole screen, `page`, and puts it back."""
 
-    def __init__(self, viewers: ViewerDocks, session: Session, window: QWidget) -> None:
+    def __init__(self, viewers: ViewerDocks, session: Session, window: QtWidgets.QWidget) -> None:
         super().__init__(window)
         self._viewers = viewers
         self._session = session
         self._window = window
         self._dock = viewers.plot_dock
         self._keys: list[QShortcut] = []
-        self.page: QWidget | None = None
+        self.page: QtWidgets.QWidget | None = None
 
     def toggle(self) -> None:
-        viewers, focus = self._viewers, QApplication.focusWidget()
+        viewers, focus = self._viewers, QtWidgets.QApplication.focusWidget()
         docks = (*viewers.docks.values(), viewers.plot_dock, viewers.tradeoff_dock)
         seen = [dock for dock in docks if dock.isVisible()]
         if self.page is not None:
@@ -186,7 +181,7 @@ class FullScreen(QObject):
         else:
             self._dock = dock = next((dock for dock in seen if _holds(dock, focus)), seen[0])
             self.page = page = dock.widget()
-            focus = page.focusWidget() or page.findChild(QGraphicsView)
+            focus = page.focusWidget() or page.findChild(QtWidgets.QGraphicsView)
             self._keys = [QShortcut(QKeySequence(key), page, self.leave) for key in _BACK]
             page.installEventFilter(self)
             page.setParent(self._window, Qt.WindowType.Window)
@@ -326,42 +321,44 @@ _FOLLOWED = (QEvent.Type.Resize, QEvent.Type.Move, QEvent.Type.Show, QEvent.Type
 _DOTS = 2
 
 
-class FocusRing(QWidget):
+class FocusRing(QtWidgets.QWidget):
     """A ring round the part of the window that has the keyboard; `parts` as F6 has them.
 
     Only its edges are a widget, so what is inside is not hit. What gets the focus behind other
     tabs is raised.
     """
 
-    def __init__(self, parts: Callable[[], Sequence[QWidget]], window: QWidget) -> None:
+    def __init__(
+        self, parts: Callable[[], Sequence[QtWidgets.QWidget]], window: QtWidgets.QWidget
+    ) -> None:
         super().__init__(window)
         self.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
         self.hide()
         self._parts = parts
-        self._at: QWidget | None = None
+        self._at: QtWidgets.QWidget | None = None
         # A page that comes back into its dock has the focus before it has its place, and a widget
         # that is shown has the window laid out at once.
         self._settled = QTimer(self, singleShot=True, interval=0)
         self._settled.timeout.connect(self._settle)
-        QApplication.instance().focusChanged.connect(self._follow)
+        QtWidgets.QApplication.instance().focusChanged.connect(self._follow)
 
     def go(self, step: int) -> None:
         """Give the focus to the next part in sight."""
         seen = [part for part in self._parts() if in_sight(part)]
-        focus = QApplication.focusWidget()
+        focus = QtWidgets.QApplication.focusWidget()
         at = next((number for number, part in enumerate(seen) if _holds(part, focus)), -1)
         part = seen[(at + step) % len(seen)]
-        for widget in (part, *part.findChildren(QWidget)):
+        for widget in (part, *part.findChildren(QtWidgets.QWidget)):
             if widget is part or (widget.isVisible() and widget.focusPolicy() & _TAB):
                 widget.setFocus(Qt.FocusReason.TabFocusReason)
-                if _holds(part, QApplication.focusWidget()):
+                if _holds(part, QtWidgets.QApplication.focusWidget()):
                     return
 
     def end(self) -> None:
         self._settled.stop()
-        QApplication.instance().focusChanged.disconnect(self._follow)
+        QtWidgets.QApplication.instance().focusChanged.disconnect(self._follow)
 
-    def _follow(self, _old: QWidget | None, new: QWidget | None) -> None:
+    def _follow(self, _old: QtWidgets.QWidget | None, new: QtWidgets.QWidget | None) -> None:
         if new is None or new.window() is not self.window():
             return  # a menu or a dialog; the part has the keyboard again after it
         part = next((part for part in self._parts() if _holds(part, new)), None)
@@ -379,8 +376,8 @@ class FocusRing(QWidget):
         return False
 
     def _settle(self) -> None:
-        above, part = QApplication.focusWidget(), self._at
-        while above is not None and not isinstance(above, QDockWidget):
+        above, part = QtWidgets.QApplication.focusWidget(), self._at
+        while above is not None and not isinstance(above, QtWidgets.QDockWidget):
             above = above.parentWidget()
         if above is not None and above.window() is self.window() and not in_sight(above):
             above.raise_()
@@ -395,7 +392,7 @@ class FocusRing(QWidget):
         QPainter(self).fillRect(self.rect(), self.palette().color(QPalette.ColorRole.Highlight))
 
 
-def in_sight(part: QWidget) -> bool:
+def in_sight(part: QtWidgets.QWidget) -> bool:
     if not part.isVisible():
         return False
     window = part.window()
@@ -403,5 +400,5 @@ def in_sight(part: QWidget) -> bool:
     return part is window or _holds(part, hit)
 
 
-def _holds(part: QWidget, widget: QWidget | None) -> bool:
+def _holds(part: QtWidgets.QWidget, widget: QtWidgets.QWidget | None) -> bool:
     return widget is not None and (part is widget or part.isAncestorOf(widget))

@@ -6,17 +6,9 @@ from datetime import datetime
 from functools import partial
 from pathlib import Path
 
+from PySide6 import QtWidgets
 from PySide6.QtCore import QEvent, QSize, QSizeF, Qt, Signal
 from PySide6.QtGui import QEnterEvent, QIcon, QShowEvent
-from PySide6.QtWidgets import (
-    QFrame,
-    QHBoxLayout,
-    QLabel,
-    QPushButton,
-    QScrollArea,
-    QVBoxLayout,
-    QWidget,
-)
 
 from app.editor.recovery_files import Recovered
 from app.editor.theme import FAINT
@@ -30,29 +22,33 @@ _CARD = 50  # letters that a card is wide at least
 _LETTERS, _LARGEST = 230.0, 2.8  # a page wider than that has larger cards, at most this much
 
 
-class WelcomePage(QScrollArea):
+class WelcomePage(QtWidgets.QScrollArea):
     chosen = Signal(str)  # (text): open this path or shipped network
     new_wanted = Signal()  # begin an empty network
     open_wanted = Signal()
     back_wanted = Signal()  # show the network again
     recovered = Signal(object)  # (work): open work that a crash left behind: a `Recovered`
 
-    def __init__(self, parent: QWidget | None = None) -> None:
+    def __init__(self, parent: QtWidgets.QWidget | None = None) -> None:
         super().__init__(parent)
         labelled(self, "welcome", "Welcome page")
         self.setWidgetResizable(True)
-        self.setFrameShape(QFrame.Shape.NoFrame)
-        self._lists = QVBoxLayout()
-        self._gallery: QWidget | None = None
-        self._right = filled(QVBoxLayout(), heading("New from an example", 1.5), margins=None)
-        page = QWidget()
-        about = QLabel("Simulate electro-optical and infrared sensors, stage by stage.")
+        self.setFrameShape(QtWidgets.QFrame.Shape.NoFrame)
+        self._lists = QtWidgets.QVBoxLayout()
+        self._gallery: QtWidgets.QWidget | None = None
+        self._right = filled(
+            QtWidgets.QVBoxLayout(), heading("New from an example", 1.5), margins=None
+        )
+        page = QtWidgets.QWidget()
+        about = QtWidgets.QLabel("Simulate electro-optical and infrared sensors, stage by stage.")
         about.setWordWrap(True)
         about.setForegroundRole(FAINT)
         parts = (heading("Imagechain", 1.9), about, self._buttons(), self._lists)
-        left = filled(QVBoxLayout(), *parts, None, margins=None)
+        left = filled(QtWidgets.QVBoxLayout(), *parts, None, margins=None)
         margins = (24, 18, 24, 18)
-        filled(QHBoxLayout(page), (left, 1), (self._right, 4), margins=margins, spacing=28)
+        filled(
+            QtWidgets.QHBoxLayout(page), (left, 1), (self._right, 4), margins=margins, spacing=28
+        )
         self.setWidget(page)
 
     def showEvent(self, event: QShowEvent) -> None:
@@ -60,8 +56,8 @@ class WelcomePage(QScrollArea):
         super().showEvent(event)
         if self._gallery is not None:
             return
-        self._gallery = QWidget()
-        layout, files = QVBoxLayout(self._gallery), shipped_networks()
+        self._gallery = QtWidgets.QWidget()
+        layout, files = QtWidgets.QVBoxLayout(self._gallery), shipped_networks()
         for title, names in gallery().items():
             flow = FlowLayout(across=8, down=8)
             for name, line in names.items():
@@ -70,7 +66,7 @@ class WelcomePage(QScrollArea):
         filled(self._right, self._gallery, None, margins=None)
         self._gallery.show()  # at once, with the page
 
-    def _card(self, file: Path, line: str) -> QWidget:
+    def _card(self, file: Path, line: str) -> QtWidgets.QWidget:
         network = read_network(file, library={})  # which loads no module
         pictures = file.parent / "pictures"
         curves = pictures / f"card_{file.stem}.png"
@@ -92,15 +88,15 @@ class WelcomePage(QScrollArea):
             filled(self._lists, heading("Recent files", 1.25), margins=None)
             filled(self._lists, *map(self._recent_row, recent), margins=None)
 
-    def _buttons(self) -> QWidget:
-        row = QWidget()
-        layout = filled(QHBoxLayout(row), margins=(0, 8, 0, 8))
+    def _buttons(self) -> QtWidgets.QWidget:
+        row = QtWidgets.QWidget()
+        layout = filled(QtWidgets.QHBoxLayout(row), margins=(0, 8, 0, 8))
         for text, name, signal in (
             ("New network", "welcome.new", self.new_wanted),
             ("Open…", "welcome.open", self.open_wanted),
             ("Back", "welcome.back", self.back_wanted),
         ):
-            self.back = button = QPushButton(text)
+            self.back = button = QtWidgets.QPushButton(text)
             button.setObjectName(name)
             button.clicked.connect(signal)
             layout.addWidget(button)
@@ -112,19 +108,19 @@ class WelcomePage(QScrollArea):
         self.back.setVisible(bool(network))
         self.back.setText(f"Back to {network}".replace("&", "&&"))
 
-    def _recent_row(self, path: Path) -> QWidget:
+    def _recent_row(self, path: Path) -> QtWidgets.QWidget:
         row = Card(path.stem, folder_text(path.parent))
         labelled(row, f"welcome.recent.{path.name}", f"Open {path}", str(path))
         row.clicked.connect(partial(self.chosen.emit, str(path)))
         return row
 
-    def _recovered_row(self, work: Recovered) -> QWidget:
-        row = QWidget()
+    def _recovered_row(self, work: Recovered) -> QtWidgets.QWidget:
+        row = QtWidgets.QWidget()
         name = work.original.name if work.original is not None else "never saved"
         when = datetime.fromtimestamp(work.time).strftime("%Y-%m-%d %H:%M")
-        about = QLabel(f"{name}, {when}" + (f": {work.problem}" if work.problem else ""))
+        about = QtWidgets.QLabel(f"{name}, {when}" + (f": {work.problem}" if work.problem else ""))
         about.setWordWrap(True)
-        layout = filled(QHBoxLayout(row), (about, 1))
+        layout = filled(QtWidgets.QHBoxLayout(row), (about, 1))
         if not work.problem:
             recover = self._choice("recover", f"{name} of {when}", layout)
             recover.clicked.connect(partial(self.recovered.emit, work))
@@ -135,15 +131,15 @@ class WelcomePage(QScrollArea):
         discard.clicked.connect(lambda: about.setText(f"{name}, {when}: discarded"))
         return row
 
-    def _choice(self, key: str, what: str, layout: QHBoxLayout) -> QPushButton:
-        button = QPushButton(key.capitalize())
+    def _choice(self, key: str, what: str, layout: QtWidgets.QHBoxLayout) -> QtWidgets.QPushButton:
+        button = QtWidgets.QPushButton(key.capitalize())
         button.setObjectName(f"welcome.{key}")
         button.setAccessibleName(f"{button.text()} {what}")
         layout.addWidget(button)
         return button
 
 
-class Card(QPushButton):
+class Card(QtWidgets.QPushButton):
     """A name, a line and a picture. QCommandLinkButton writes in 9 points, whatever the font is."""
 
     def __init__(
@@ -151,16 +147,16 @@ class Card(QPushButton):
     ) -> None:
         super().__init__()
         self.setFlat(True)
-        shown, about = QLabel(), QLabel(line, wordWrap=True)
+        shown, about = QtWidgets.QLabel(), QtWidgets.QLabel(line, wordWrap=True)
         title = heading(name, 1.0)
-        words = filled(QVBoxLayout(), title, about, None, spacing=0)
+        words = filled(QtWidgets.QVBoxLayout(), title, about, None, spacing=0)
         metrics = self.fontMetrics()
         if picture is not None:
             size = (_PICTURE * metrics.height() * larger).toSize()
             shown.setPixmap(QIcon(str(picture)).pixmap(size, self.devicePixelRatioF()))
         shown.setVisible(picture is not None)
         self._parts = layout = filled(
-            QHBoxLayout(self), shown, (words, 1), margins=(6, 6, 6, 6), spacing=8
+            QtWidgets.QHBoxLayout(self), shown, (words, 1), margins=(6, 6, 6, 6), spacing=8
         )
         layout.setAlignment(shown, Qt.AlignmentFlag.AlignTop)
         for label in (shown, title, about):
@@ -192,8 +188,8 @@ def gallery() -> dict[str, dict[str, str]]:
     return dict(json.loads(file.read_text(encoding="utf-8")))
 
 
-def heading(text: str, size: float) -> QLabel:
-    label = QLabel(text)
+def heading(text: str, size: float) -> QtWidgets.QLabel:
+    label = QtWidgets.QLabel(text)
     font = label.font()
     font.setPointSizeF(font.pointSizeF() * size)
     font.setBold(True)
