@@ -50,21 +50,18 @@ def check_libraries(*, window: bool) -> None:
     if not sys.platform.startswith("linux"):
         return
     wanted = DRAWING | WINDOW if window else DRAWING
-    missing = [name for name in wanted if not _loads(name)]
+    missing = []
+    for name in wanted:
+        try:
+            ctypes.CDLL(name)
+        except OSError:
+            missing.append(name)
     if missing:
         packages = " ".join(wanted[name] for name in missing)
         raise UsageError(
             f"the editor needs system libraries that are missing: {', '.join(missing)} (on "
             f"Debian or Ubuntu, as root: apt-get install -y {packages})"
         )
-
-
-def _loads(name: str) -> bool:
-    try:
-        ctypes.CDLL(name)
-    except OSError:
-        return False
-    return True
 
 
 NEVER = 2**30

@@ -13,6 +13,7 @@ from core.editing.macros import at_level
 from core.editing.operations import Operation, restored, set_parameter
 from core.errors import ImagechainError
 from core.modules.declaration import Declaration, Library
+from core.modules.parameters import Parameter
 from core.network import linked_values
 from core.network.macro import SEPARATOR, declared_node, expanded, path_of, unfolded
 from core.network.network import Network, Node
@@ -41,11 +42,6 @@ class Session(QObject):
         self.network = self.document.network
         self.selection: tuple[str, ...] = ()
         self._resolved = (self.network, linked_values.ResolvedNetwork(self.network))
-
-    @property
-    def head(self) -> str:
-        """What the ids it selects begin with in the whole network: nothing, unlike a `Level`."""
-        return ""
 
     @property
     def plain(self) -> Network:
@@ -110,6 +106,10 @@ class Session(QObject):
     def declared(self, name: str) -> Declaration | None:
         node = self.network.nodes.get(name)
         return declared_node(node, self.library) if node is not None else None
+
+    def parameter(self, node: str, name: str) -> Parameter | None:
+        declared = self.declared(node)
+        return declared.parameter(name) if declared is not None else None
 
     def local_name(self, name: str) -> str:
         return path_of(self.document.network, name)[-1]

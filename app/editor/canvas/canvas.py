@@ -23,7 +23,7 @@ from app.editor.canvas.placing import Dropping, Surface
 from app.editor.declared_text import tip
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.panels.fields.type_in import TypeIn
-from app.editor.session import Level, Session
+from app.editor.session import Level
 from app.editor.theme import FAINT, RAISED, raised_palette, theme_of
 from core.editing.backdrops import backdrops_of, change, moved_with_dots, nodes_on, remove
 from core.editing.operations import ABSENT, named, rewire, set_node_field, together
@@ -35,7 +35,7 @@ _TYPE = QEvent.Type
 class Canvas(QWidget):
     """Shows the session's network and follows it; gestures become operations on the document."""
 
-    def __init__(self, session: Session | Level) -> None:
+    def __init__(self, session: Level) -> None:
         super().__init__()
         widgets.labelled(self, "canvas", "Canvas")
         self._style = style = CanvasStyle(theme_of(self), self.font())

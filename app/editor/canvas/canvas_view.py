@@ -51,7 +51,12 @@ class GraphView(NodeViewer):
         self.setResizeAnchor(QGraphicsView.ViewportAnchor.NoAnchor)
         self.setAlignment(Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignTop)
         self.resize(640, 420)
-        self._take_out_the_bases()
+        for item in (self._cursor_text, self._LIVE_PIPE, self._SLICER_PIPE):
+            self.scene().removeItem(item)
+        menus = (self._ctx_graph_menu, self._ctx_node_menu, self._ctx_menu_bar)
+        for widget in (self._search_widget, *menus):
+            widget.setParent(None)
+            widget.deleteLater()
         self._show()
 
     @property
@@ -139,14 +144,6 @@ class GraphView(NodeViewer):
         self.setSceneRect(self.visible_rect())
         self.setTransform(QtGui.QTransform.fromScale(self.zoom, self.zoom))
         self.looked_elsewhere.emit()
-
-    def _take_out_the_bases(self) -> None:
-        for item in (self._cursor_text, self._LIVE_PIPE, self._SLICER_PIPE):
-            self.scene().removeItem(item)
-        menus = (self._ctx_graph_menu, self._ctx_node_menu, self._ctx_menu_bar)
-        for widget in (self._search_widget, *menus):
-            widget.setParent(None)
-            widget.deleteLater()
 
     # Qt's events
 

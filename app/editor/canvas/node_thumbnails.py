@@ -17,7 +17,7 @@ from app.editor.canvas.content import Content
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.queries import Passing, Query
 from app.editor.panels.transfer_preview import transfer_lines
-from app.editor.session import Level, Session
+from app.editor.session import Level
 from app.editor.viewers.picture.picture_facts import between_ends, grey_levels, shrunk
 from core.chain.engine import Plan
 from core.chain.wires import Image, Pupil
@@ -34,11 +34,7 @@ class NodeThumbnails(QObject):
     """Posts a query for each node, answered once all else is, and shows the answers."""
 
     def __init__(
-        self,
-        session: Session | Level,
-        evaluator: Evaluator,
-        scene: QGraphicsScene,
-        content: Content,
+        self, session: Level, evaluator: Evaluator, scene: QGraphicsScene, content: Content
     ) -> None:
         super().__init__(session)
         self._session, self._evaluator = session, evaluator

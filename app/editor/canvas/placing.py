@@ -12,7 +12,7 @@ from app.editor.canvas.canvas_view import GraphView
 from app.editor.canvas.content import Content, Hit, hit, wires_near
 from app.editor.canvas.wires import LiveWire, WireItem
 from app.editor.library_view import dragged_module
-from app.editor.session import Level, Session
+from app.editor.session import Level
 from app.editor.widgets import local_files
 from app.run.preset_files import KEY
 from core.editing import wiring
@@ -33,9 +33,7 @@ class Surface(QObject):
     files_dropped = Signal(list, QPointF)
     preset_dropped = Signal(str, QPointF)  # (key, point): a preset of the library was dropped there
 
-    def __init__(
-        self, session: Session | Level, view: GraphView, content: Content, parent: QObject
-    ) -> None:
+    def __init__(self, session: Level, view: GraphView, content: Content, parent: QObject) -> None:
         super().__init__(parent)
         self.session, self.view, self.content = session, view, content
         self.live = LiveWire()

@@ -7,7 +7,6 @@ import threading
 import time
 from collections.abc import Callable
 from math import floor, log10
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -74,16 +73,13 @@ class FitView(measure_view.WorkerView):
     def pictures(self) -> measure_view.Pictures | None:
         return self._own if self._own is not None else self._default()
 
-    def choose_pictures(self, pictures: measure_view.Pictures) -> None:
-        self._own = pictures
+    def take_files(self, paths: measure_view.Pictures) -> None:
+        self._own = paths
         self.show_state()
-
-    def take_files(self, paths: tuple[Path, ...]) -> None:
-        self.choose_pictures(paths)
 
     def _choose_file(self) -> None:
         window, name = self.window(), "fit_dialog"
-        choose_pictures(window, "Fit to pictures", name=name, chosen=self.choose_pictures)
+        choose_pictures(window, "Fit to pictures", name=name, chosen=self.take_files)
 
     # --- fitting -----------------------------------------------------------------------------
 
@@ -141,7 +137,7 @@ class FitView(measure_view.WorkerView):
         steps: list[Operation] = []
         for one in self._determined:
             node, _, name = one.port.rpartition(".")
-            parameter = parameter_of(self._session, node, name)
+            parameter = self._session.parameter(node, name)
             try:
                 if parameter is None:
                     raise UsageError("the parameter no longer exists")
@@ -283,11 +279,6 @@ class FitView(measure_view.WorkerView):
         self.show_state()
 
 
-def parameter_of(session: Session, node: str, name: str) -> Parameter | None:
-    declared = session.declared(node)
-    return declared.parameter(name) if declared is not None else None
-
-
 def limited(
     numbers: tuple[FreeNumber, ...], network: Network, session: Session
 ) -> tuple[FreeParameter, ...]:
@@ -387,7 +378,7 @@ class FreeTable(CopiedTable):
             self.setRowCount(len(free))
             for row, number in enumerate(free):
                 fitted = by_port.get(number.port)
-                parameter = parameter_of(self._session, *number.place)
+                parameter = self._session.parameter(*number.place)
                 for column, text in enumerate(self._cells(number, parameter, fitted)):
                     item = self._put(row, column, text)
                     if parameter is not None and column not in _LIMITS:
@@ -428,7 +419,7 @@ class FreeTable(CopiedTable):
 
     def _typed(self, item: QtWidgets.QTableWidgetItem) -> None:
         number = self._session.free.all[item.row()]
-        parameter, text = parameter_of(self._session, *number.place), item.text().strip()
+        parameter, text = self._session.parameter(*number.place), item.text().strip()
         if parameter is None or item.column() not in _LIMITS:
             return
         param = parameter.param

@@ -118,7 +118,9 @@ class Run(QObject):
         self._read_errors()
         crashed = status == QProcess.ExitStatus.CrashExit
         if crashed:
-            self._clear_away()
+            output = self.job.output
+            with contextlib.suppress(OSError):
+                sweep(next(folder for folder in (output, *output.parents) if folder.is_dir()))
         if self.result is not None and code == 0 and not crashed:
             self._end("done")
         elif self.state == "stopping":
@@ -130,11 +132,6 @@ class Run(QObject):
             lines = self._errors.decode("utf-8", "replace").strip().splitlines()
             said = lines[-1] if lines else "the process stopped without an error message"
             self._end("failed", in_line(said.removeprefix(_PREFIX)))
-
-    def _clear_away(self) -> None:
-        output = self.job.output
-        with contextlib.suppress(OSError):
-            sweep(next(folder for folder in (output, *output.parents) if folder.is_dir()))
 
     def _end(self, state: State, text: str = "") -> None:
         self.text = text

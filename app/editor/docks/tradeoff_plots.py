@@ -348,8 +348,7 @@ class Varied:
 
     @property
     def parameter(self) -> Parameter | None:
-        declared = self._session.declared(self.node)
-        return declared.parameter(self.name) if declared is not None else None
+        return self._session.parameter(self.node, self.name)
 
     @property
     def analysis(self) -> str:

@@ -129,7 +129,8 @@ class TradeOffView(Viewer):
     def follow(self, before: Network, after: Network) -> None:
         old, new = renamed_node(before, after) or ("", "")
         if old and self._chosen is not None:
-            self._chosen = frozenset(renamed(name, old, new) for name in self._chosen)
+            split = (name.rpartition(".") for name in self._chosen)
+            self._chosen = frozenset(f"{new if a == old else a}{dot}{b}" for a, dot, b in split)
         if old and old == self.varied.node:
             self.varied.choose(new, self.varied.name)
         if ports_depend_on(after) != self._known:
@@ -301,11 +302,6 @@ def title_of(figure: Figure, *, whose: bool = True) -> str:
         return f"MTF {axis}, {half}{of}' Nyquist{more}"
     unit = f" ({figure.unit})" if figure.unit else ""
     return f"{label_of(figure.name)}{f' of {figure.node}' if whose else ''}{unit}"
-
-
-def renamed(text: str, old: str, new: str) -> str:
-    node, _, name = text.rpartition(".")
-    return f"{new}.{name}" if node == old else text
 
 
 def first_figures(

@@ -7,7 +7,7 @@ seconds stays.
 """
 
 import math
-from collections.abc import Callable, Collection, Hashable, Iterator, Mapping
+from collections.abc import Callable, Collection, Hashable, Mapping
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -297,7 +297,8 @@ class _Reducing:
 
     def _take_source(self, name: str, planned: PlannedNode) -> None:
         k = self.factor
-        for port, value in _images(planned.outputs):
+        images = [(p, value) for p, value in planned.outputs.items() if isinstance(value, Image)]
+        for port, value in images:
             if value.rows < k * SMALLEST or value.columns < k * SMALLEST:
                 raise _CannotReduceError
             self.sources += 1
@@ -352,10 +353,6 @@ def _draws_itself_smaller(planned: PlannedNode, factor: int, edited: Collection[
         return False
     near = module.kind in _DRAWN_NEARLY and planned.node.id in edited
     return module.kind in _DRAWN_ALIKE or near
-
-
-def _images(outputs: Mapping[str, Any]) -> Iterator[tuple[str, Image]]:
-    return ((port, value) for port, value in outputs.items() if isinstance(value, Image))
 
 
 def _with(node: Node, params: Mapping[str, Any]) -> Node:

@@ -3,8 +3,7 @@
 import threading
 import time
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Collection, Hashable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Collection, Hashable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, ClassVar, Literal
 
@@ -223,34 +222,27 @@ class Outbox:
             if document != self._news.document:
                 self._news = News(document)
 
-    def deliver(self, **latest: Any) -> None:
-        with self._delivering() as news:
-            for name, value in latest.items():
-                setattr(news, name, value)
-
-    def answer(self, answer: Answer) -> None:
-        with self._delivering() as news:
-            news.answers.pop((answer.owner, answer.query), None)
-            news.answers[answer.owner, answer.query] = answer
-
-    def done(self, done: PassDone) -> None:
-        with self._delivering() as news:
-            news.done.append(done)
+    def deliver(
+        self, answer: Answer | None = None, done: PassDone | None = None, **latest: Any
+    ) -> None:
+        with self._lock:
+            news = self._news
+            vars(news).update(latest)
+            if answer is not None:
+                news.answers.pop((answer.owner, answer.query), None)
+                news.answers[answer.owner, answer.query] = answer
+            if done is not None:
+                news.done.append(done)
+            wake = not (self._woken or self.closed)
+            self._woken |= wake
+        if wake:
+            self._wake()
 
     def take(self) -> News:
         with self._lock:
             self._woken = False
             news, self._news = self._news, News(self._news.document)
         return news
-
-    @contextmanager
-    def _delivering(self) -> Iterator[News]:
-        with self._lock:
-            yield self._news
-            wake = not (self._woken or self.closed)
-            self._woken |= wake
-        if wake:
-            self._wake()
 
 
 DISABLED = "disabled: the node passes any input through"

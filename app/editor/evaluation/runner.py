@@ -210,7 +210,7 @@ class Runner:
             due = Due(request, ("no answer", str(error)))
             if request not in self._given_up and not self._is_answered(due):
                 self._send(due, snapshot, error=error)
-        self._outbox.done(PassDone(snapshot.generation, time.perf_counter() - start))
+        self._outbox.deliver(done=PassDone(snapshot.generation, time.perf_counter() - start))
         self._finish(snapshot)
 
     def _finish(self, snapshot: Snapshot) -> None:
@@ -275,7 +275,7 @@ class Runner:
         follows = self._is_edited(snapshot)
         if task.due or follows:
             how = (position.seconds, reduced, position.stopped, follows)
-            self._outbox.done(PassDone(snapshot.generation, *how))
+            self._outbox.deliver(done=PassDone(snapshot.generation, *how))
         return True
 
     def _answer(self, dues: list[Due], task: Task, position: Position) -> None:
@@ -306,8 +306,8 @@ class Runner:
     ) -> None:
         request = due.request
         self._sent[request] = Sent(due.key, work.log if work else None, reduced, error)
-        answer = Answer(snapshot.generation, request.owner, request.query, value, error, reduced)
-        self._outbox.answer(answer)
+        of = (snapshot.generation, request.owner, request.query)
+        self._outbox.deliver(Answer(*of, value, error, reduced))
         if due.is_picture:
             self._pace.shown()
 

@@ -24,7 +24,7 @@ from core.editing.backdrops import (
     straighten,
 )
 from core.editing.clipboard import copied, duplicated, pasted
-from core.editing.layout import Edge, Point, Way, aligned, arranged, distributed
+from core.editing.layout import WAYS, Edge, Point, Way, aligned, arranged, distributed
 from core.editing.macros import group, ungroup
 from core.editing.operations import (
     Operation,
@@ -425,15 +425,12 @@ class EditCommands(QObject):
         bent = [link for link in dots_of(network) if {link.source, link.target} & set(names)]
         return together((moving, straighten(network, bent)), moving.text) if bent else moving
 
-    def align(self, edge: Edge) -> None:
-        self._arranged(aligned, edge, f"Align {edge}")
-
-    def distribute(self, way: Way) -> None:
-        self._arranged(distributed, way, f"Distribute {way}")
-
-    def _arranged(self, places: Callable[..., dict[str, Point]], how: str, label: str) -> None:
-        session = self._session
-        points = places(session.network, session.selection, self._canvas.content.sizes(), how)
+    def line_up(self, how: Edge | Way) -> None:
+        """Align at an edge, or distribute across or down."""
+        session, sizes, spread = self._session, self._canvas.content.sizes(), how in WAYS
+        places: Callable[..., dict[str, Point]] = distributed if spread else aligned
+        label = f"{'Distribute' if spread else 'Align'} {how}"
+        points = places(session.network, session.selection, sizes, how)
         if points:
             session.do(moved_with_dots(session.network, dict(points), label))
         else:

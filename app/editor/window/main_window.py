@@ -139,7 +139,7 @@ class MainWindow(QMainWindow):
         network = self.session.network
         self.welcome.offer_back((network.name or "the network") if network.nodes else "")
         self._show_lists()
-        self.pages.show_first()
+        self.pages.setCurrentWidget(self.welcome)
 
     def _show_lists(self) -> None:
         self.welcome.show_lists(self.settings.recent, recoverable(self._recovery))
@@ -291,8 +291,8 @@ class MainWindow(QMainWindow):
             "connect": canvas.adding.connect_selected,
             "wire_dot": canvas.add_dot,
             "find_node": canvas.adding.find_node,
-            **{f"align_{edge}": partial(edits.align, edge) for edge in EDGES},
-            **{f"distribute_{way}": partial(edits.distribute, way) for way in WAYS},
+            **{f"align_{edge}": partial(edits.line_up, edge) for edge in EDGES},
+            **{f"distribute_{way}": partial(edits.line_up, way) for way in WAYS},
             "thumbnails": canvas.toggle_thumbnails,
             "minimap": canvas.minimap.toggle,
             "group": self._group,
@@ -325,9 +325,8 @@ class MainWindow(QMainWindow):
 
     def _spread_actions(self) -> None:
         actions, viewers = self.actions_by_name, self.viewers
-        viewers.set_picture_actions(actions["full_screen"], actions["export"])
         compare = actions.of_names(("keep_snapshot", "flip", "wipe"))
-        viewers.add_compare_actions(compare)
+        viewers.offer(actions.of_names(("full_screen", "export")), compare)
         for widget in (self.snapshots_view.list, self.snapshots_view.figures):
             widget.addActions(compare)
         looks = ("flip", "wipe", "frame", "minimap", "thumbnails")  # they change no network

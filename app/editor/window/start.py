@@ -53,7 +53,7 @@ def start(
     On a signal to end it closes without a question: unsaved work is kept to be recovered.
     """
     app = application()
-    QtCore.qInstallMessageHandler(_quiet)
+    QtCore.qInstallMessageHandler(lambda *_: None)  # its own remarks are for its developers
     if screenshot is not None:
         take(app, network, screenshot, size or (1600, 900), look or "dark", part)
         return
@@ -134,10 +134,6 @@ def _report(
     line = f"internal error: {kind.__name__}: {' '.join(str(error).split())}"
     print_error(f"imagechain: {line}")
     window.session.message.emit("error", line)
-
-
-def _quiet(*_: object) -> None:
-    """Qt's own remarks are for its developers."""
 
 
 # Drawing the window to a file without a display, for documentation and checks.

@@ -36,8 +36,7 @@ class ViewerDocks(QObject):
         self._session = session
         self._evaluator = evaluator
         self._window = window
-        self.picture_actions: tuple[QAction, ...] = ()
-        self._compare_actions: tuple[QAction, ...] = ()
+        self._actions: tuple[tuple[QAction, ...], tuple[QAction, ...]] = ((), ())
         self.images: dict[int, ImageViewer] = {}
         self.docks: dict[int, QtWidgets.QDockWidget] = {}
         self.plot = PlotViewer(session, evaluator)
@@ -46,17 +45,16 @@ class ViewerDocks(QObject):
         self.tradeoff = TradeOffView(session, evaluator)
         self.tradeoff_dock = add_dock(window, "Trade-off", "tradeoff", self.tradeoff, hidden=True)
 
-    def set_picture_actions(self, *actions: QAction) -> None:
-        self.picture_actions = actions
+    def offer(self, picture: Sequence[QAction], compare: Sequence[QAction]) -> None:
+        """Offer these actions, some under Compare, whose keys work on pictures and curves."""
+        self._actions = tuple(picture), tuple(compare)
+        self.plot.canvas.addActions(compare)
         for viewer in self.images.values():
-            viewer.window_actions = actions
+            self._offer_to(viewer)
 
-    def add_compare_actions(self, actions: Sequence[QAction]) -> None:
-        """Offer these actions under Compare, and let their keys work on pictures and curves."""
-        self._compare_actions = tuple(actions)
-        self.plot.canvas.addActions(self._compare_actions)
-        for viewer in self.images.values():
-            viewer.add_compare_actions(self._compare_actions)
+    def _offer_to(self, viewer: ImageViewer) -> None:
+        viewer.window_actions, compare = self._actions
+        viewer.add_compare_actions(compare)
 
     def look_at(self, number: int, port: str) -> None:
         self._viewer(number).look_at(port)
@@ -103,8 +101,7 @@ class ViewerDocks(QObject):
         viewer = self.images.get(number)
         if viewer is None:
             viewer = ImageViewer(self._session, self._evaluator, number)
-            viewer.window_actions = self.picture_actions
-            viewer.add_compare_actions(self._compare_actions)
+            self._offer_to(viewer)
             dock = add_dock(self._window, f"Viewer {number}", f"viewer_{number}", viewer)
             if self.docks:
                 self._window.tabifyDockWidget(list(self.docks.values())[-1], dock)

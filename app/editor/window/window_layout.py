@@ -308,9 +308,6 @@ class Pages(QStackedWidget):
     def at_first(self) -> bool:
         return self.currentIndex() == 0
 
-    def show_first(self) -> None:
-        self.setCurrentIndex(0)
-
     has_worked = False  # whether a network has been shown, to which one can return
 
     def show_work(self) -> None:

@@ -19,7 +19,7 @@ from PySide6.QtCore import QCoreApplication, QEvent
 
 from app.editor.canvas.canvas import Canvas
 from app.editor.evaluation.evaluator import Evaluator
-from app.editor.session import Session
+from app.editor.session import Level, Session
 from app.editor.theme import DARK
 from app.editor.window.main_window import MainWindow
 from app.editor.window.recent_files import Settings
@@ -110,7 +110,7 @@ def evaluator(session):
 @pytest.fixture
 def canvas(qtbot, session):
     """A canvas on the session, shown and with the focus."""
-    made = Canvas(session)
+    made = Canvas(Level(session, session))
     qtbot.addWidget(made)
     made.resize(1000, 600)
     made.show()

@@ -7,6 +7,7 @@ from PySide6.QtCore import QPointF
 
 from app.editor.canvas.canvas import Canvas
 from app.editor.canvas.wires import Ground, course_of, wire_path
+from app.editor.session import Level
 from canvas_networks import long_chain
 from core.editing.document import Document
 from core.editing.operations import move_nodes, remove_nodes
@@ -53,6 +54,6 @@ def test_wires_run_after_edits_as_in_a_canvas_opened_anew(session, canvas, libra
         session.do(move_nodes({name: (lot.randrange(0, 2400), lot.randrange(0, 960))}))
     session.do(remove_nodes(("jitter_20", "jitter_33")))
     session.undo()
-    anew = Canvas(session)
+    anew = Canvas(Level(session, session))
     qtbot.addWidget(anew)
     assert courses(canvas) == courses(anew)

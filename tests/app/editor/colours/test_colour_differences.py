@@ -6,6 +6,7 @@ import pytest
 from PySide6.QtGui import QColor
 
 from app.editor.canvas.canvas import Canvas
+from app.editor.session import Level
 from app.editor.theme import DARK, LIGHT
 from app.editor.viewers.plot.plot_looks import entry_pens
 from app.editor.viewers.plot.plotted_lines import Entry
@@ -84,7 +85,7 @@ def painted(widget, wanted):
 @THEMES
 def test_painted_wires_have_these_colours(session, library, qtbot, theme):
     session.open(Document(chain_and_free_blur(), library=library))
-    canvas = Canvas(session)
+    canvas = Canvas(Level(session, session))
     canvas.setPalette(theme.palette())
     qtbot.addWidget(canvas)
     canvas.resize(1400, 500)

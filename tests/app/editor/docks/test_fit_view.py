@@ -76,7 +76,7 @@ def test_a_number_is_freed_fitted_taken_and_undone(fitting, files, qtbot):
     assert field.label.text().endswith("free")
     assert view.table.rowCount() == 1
     assert view.table.isVisible()
-    view.choose_pictures((files / "edge.npy",))
+    view.take_files((files / "edge.npy",))
     seen = []
     view._said.connect(lambda _stop, _shown, what: seen.append(what))
     before = window.session.document.network
@@ -155,7 +155,7 @@ def test_what_is_not_determined_is_not_taken_and_faults_are_one_line(fitting, fi
     view.table.setCurrentCell(1, 0)
     qtbot.keyClick(view.table, Qt.Key.Key_Delete)
     assert [one.port for one in session.free.all] == ["init.range_m"]
-    view.choose_pictures((files / "edge.npy",))
+    view.take_files((files / "edge.npy",))
     view.begin()
     qtbot.waitUntil(lambda: view.outcome is not None)
     assert [one.value is None for one in view.outcome.parameters] == [True]
@@ -165,7 +165,7 @@ def test_what_is_not_determined_is_not_taken_and_faults_are_one_line(fitting, fi
     before = session.document.network
     view.take()
     assert session.document.network is before
-    view.choose_pictures((files / "flat.npy",))
+    view.take_files((files / "flat.npy",))
     view.begin()
     qtbot.waitUntil(lambda: "no edge can be used" in view.status.title.text())
     assert view.outcome is None

@@ -128,9 +128,9 @@ def test_an_answer_older_than_the_newest_is_dropped(evaluator, answers, small, s
     settled()
     newest = answers[-1].generation
     outbox = evaluator._outbox
-    outbox.answer(Answer(newest - 1, "viewer", FINAL, "late"))
+    outbox.deliver(Answer(newest - 1, "viewer", FINAL, "late"))
     evaluator._take_news()
-    outbox.answer(Answer(newest, "viewer", FINAL, "in time"))
+    outbox.deliver(Answer(newest, "viewer", FINAL, "in time"))
     evaluator._take_news()
     assert [answer.value for answer in answers[1:]] == ["in time"]
 
