@@ -246,7 +246,7 @@ class Level(QObject):
 
     def __init__(self, session: Session, parent: QObject | None = None) -> None:
         super().__init__(parent)
-        self.session = session
+        self.session, self.library = session, session.library
         self.path: tuple[str, ...] = ()  # the macros that it lies in, the outermost first
         self.network = session.document.network
         session.opened.connect(self._begin)
@@ -258,10 +258,6 @@ class Level(QObject):
     def head(self) -> str:
         """What the ids here begin with in the whole network: ``camera/``."""
         return "".join(f"{macro}{SEPARATOR}" for macro in self.path)
-
-    @property
-    def library(self) -> Library:
-        return self.session.library
 
     @property
     def folder(self) -> Path:

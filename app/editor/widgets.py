@@ -275,16 +275,6 @@ class PageTabs(QtWidgets.QWidget):
             self.turned.emit()
 
 
-def steady_width(text: str, font: QtGui.QFont, had: int) -> int:
-    """The width there was, unless the text needs more, or less than half of it; in dots.
-
-    After a change of a widget's size hint all around it is laid out anew, up to the window: 2.5 ms
-    for each answer of a drag.
-    """
-    needed = math.ceil(QtGui.QFontMetricsF(font).horizontalAdvance(text))
-    return had if had // 2 <= needed <= had else needed
-
-
 class ElidedLabel(QtWidgets.QLabel):
     """One line that may be narrower than its text.
 
@@ -343,7 +333,13 @@ class ElidedLabel(QtWidgets.QLabel):
         painter.end()
 
     def _fit(self, had: int) -> None:
-        width = steady_width(self._line, self.font(), had)
+        """Keep the width there was, unless the text needs more, or less than half of it.
+
+        After a change of a widget's size hint all around it is laid out anew, up to the window:
+        2.5 ms for each answer of a drag.
+        """
+        needed = math.ceil(QtGui.QFontMetricsF(self.font()).horizontalAdvance(self._line))
+        width = had if had // 2 <= needed <= had else needed
         if width != self._width:
             self._width = width
             self.updateGeometry()

@@ -110,7 +110,7 @@ class Evaluator(QObject):
         self._look.timeout.connect(self._look_at_worker)
         session.changed.connect(self._follow_change)
         session.opened.connect(self._follow_opening)
-        weakref.finalize(self, self._inbox.stop)
+        weakref.finalize(self, self._inbox.tell, stopped=True, newest=None)
 
     @property
     def idle(self) -> bool:
@@ -147,7 +147,7 @@ class Evaluator(QObject):
     def cancel(self) -> None:
         """Stop computing; what is shown stays until the next edit or `generate`."""
         if not self.idle:
-            self._inbox.cancel(self.generation)
+            self._inbox.tell(cancelled=self.generation)
 
     def close(self) -> None:
         if self._closed:
@@ -158,7 +158,7 @@ class Evaluator(QObject):
         self._soon.stop()
         self._drawing.stop()
         self._outbox.closed = True
-        self._inbox.stop()
+        self._inbox.tell(stopped=True, newest=None)
         if self._thread is not None:
             self._thread.join(JOIN_S)
             self._collector.stop(resume=not self._thread.is_alive())
@@ -191,22 +191,11 @@ class Evaluator(QObject):
         self.generation += 1
         if self._thread is None:
             self._start()
-        session = self._session
-        network = self.posted = session.plain
-        self._inbox.post(
-            Snapshot(
-                self.generation,
-                self._document,
-                network,
-                self._session.folder,
-                tuple(itertools.chain(*self._requests.values())) if self._is_planned else (),
-                self._edits,
-                self._generates,
-                self._gestures,
-                self._edited_at,
-                only_planned=not self._is_planned,
-            )
-        )
+        self.posted, planned = self._session.plain, self._is_planned
+        requests = tuple(itertools.chain(*self._requests.values())) if planned else ()
+        state = (self.generation, self._document, self.posted, self._session.folder, requests)
+        counts = (self._edits, self._generates, self._gestures, self._edited_at)
+        self._inbox.tell(newest=Snapshot(*state, *counts, only_planned=not planned))
         if not self._look.isActive():
             self._look.start()
 

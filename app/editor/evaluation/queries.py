@@ -147,20 +147,10 @@ class Inbox:
         newest = self.newest
         return self.stopped or (newest is not None and newest.generation > self._taken)
 
-    def post(self, snapshot: Snapshot) -> None:
+    def tell(self, **news: Any) -> None:
+        """The `newest` snapshot, a generation to be `cancelled`, or that all is `stopped`."""
         with self._changed:
-            self.newest = snapshot
-            self._changed.notify()
-
-    def cancel(self, generation: int) -> None:
-        with self._changed:
-            self.cancelled = generation
-            self._changed.notify()
-
-    def stop(self) -> None:
-        with self._changed:
-            self.stopped = True
-            self.newest = None
+            vars(self).update(news)
             self._changed.notify()
 
     def take(self) -> Snapshot | None:
