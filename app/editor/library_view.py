@@ -9,7 +9,7 @@ from PySide6.QtGui import QColor, QIcon, QKeyEvent, QPixmap
 
 from app.editor.declared_text import label_of, shown_value, tip
 from app.editor.theme import theme_of
-from app.editor.widgets import filled, labelled
+from app.editor.widgets import filled, labelled, search_field
 from app.library_index import declarations
 from app.run.preset_files import KEY, Difference, Preset, told_apart
 from core.modules.declaration import Declaration, Library
@@ -35,13 +35,9 @@ def dragged_module(data: QMimeData) -> str:
 
 class ModuleTree(QtWidgets.QTreeWidget):
     def __init__(self, library: Library, parent: QtWidgets.QWidget) -> None:
-        super().__init__(parent)
+        super().__init__(parent, headerHidden=True, uniformRowHeights=True, dragEnabled=True)
         labelled(self, "library.tree", "Modules of the library")
-        self.setHeaderHidden(True)
-        self.setRootIsDecorated(True)
-        self.setUniformRowHeights(True)
         self.setTextElideMode(Qt.TextElideMode.ElideMiddle)  # names that begin alike end otherwise
-        self.setDragEnabled(True)
         self.setDragDropMode(QtWidgets.QAbstractItemView.DragDropMode.DragOnly)
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.setIndentation(self.fontMetrics().averageCharWidth() * 2)
@@ -145,9 +141,7 @@ class LibraryView(QtWidgets.QWidget):
     ) -> None:
         super().__init__(parent)
         labelled(self, "library", "Library")
-        self.filter = labelled(QtWidgets.QLineEdit(), "library.filter", "Filter the modules")
-        self.filter.setPlaceholderText("Filter")
-        self.filter.setClearButtonEnabled(True)
+        self.filter = search_field("library.filter", "Filter the modules", "Filter")
         self.tree = ModuleTree(library, self)
         self._library = library
         self.tree.show_presets(presets, library)

@@ -156,13 +156,11 @@ class StatusBar(QWidget):
         self._notice.closed.connect(self._close)
         self._behind = Notice("status.behind", self, one_line=True)
         self._where = QLabel(self)
-        self._progress = labelled(
-            QProgressBar(self), "status.progress", "Progress of the computation"
-        )
-        self._progress.setTextVisible(False)
+        bar = QProgressBar(self, textVisible=False)
+        self._progress = labelled(bar, "status.progress", "Progress of the computation")
         self._progress.setFixedWidth(self.fontMetrics().averageCharWidth() * 14)
-        self._cancel = labelled(QPushButton("Cancel", self), "status.cancel")
-        self._cancel.setToolTip("Stop the computation (Esc)")
+        about = "Stop the computation (Esc)"
+        self._cancel = labelled(QPushButton("Cancel", self, toolTip=about), "status.cancel")
         self._cancel.clicked.connect(self.cancel_wanted)
         self._over = QTimer(self, singleShot=True, interval=NOTE_MS)
         self._over.timeout.connect(lambda: self._drop("information"))

@@ -144,6 +144,14 @@ def _worded(button: B, name: str, text: str, description: str, act: Act | None) 
     return labelled(button, name, description, description)
 
 
+def search_field(
+    name: str, about: str, hint: str, parent: QtWidgets.QWidget | None = None
+) -> QtWidgets.QLineEdit:
+    """A line to search by, with a button that clears it."""
+    field = QtWidgets.QLineEdit(parent, placeholderText=hint, clearButtonEnabled=True)
+    return labelled(field, name, about)
+
+
 _TYPING = Qt.KeyboardModifier.ShiftModifier | Qt.KeyboardModifier.KeypadModifier
 
 

@@ -16,7 +16,7 @@ from app.editor.canvas.node_item import NodePort
 from app.editor.canvas.placing import Surface, added, free_place, show_new, two_places
 from app.editor.library_view import found_by
 from app.editor.theme import FAINT
-from app.editor.widgets import RIGHT, filled, labelled
+from app.editor.widgets import RIGHT, filled, labelled, search_field
 from core.editing.layout import Point
 from core.editing.operations import Operation, rewire, together
 from core.editing.wiring import (
@@ -91,24 +91,18 @@ class ChoicePopup(QtWidgets.QFrame):
     """Keys that mean what they mean everywhere: whatever is searched, one can quit."""
 
     def __init__(self, parent: QtWidgets.QWidget) -> None:
-        super().__init__(parent)
+        super().__init__(parent, objectName="canvas.popup", autoFillBackground=True)
         self._ground = parent
-        self.setObjectName("canvas.popup")
         self.setFrameShape(QtWidgets.QFrame.Shape.StyledPanel)
-        self.setAutoFillBackground(True)
         self.setBackgroundRole(QPalette.ColorRole.Window)  # a view's children take its own
         self.title = labelled(QtWidgets.QLabel(), "canvas.popup.title")
-        self.field = labelled(
-            QtWidgets.QLineEdit(placeholderText="Type to search"), "canvas.popup.field"
-        )
-        self.field.setClearButtonEnabled(True)
-        self.list = labelled(QtWidgets.QListWidget(), "canvas.popup.list")
+        self.field = search_field("canvas.popup.field", "", "Type to search")
+        self.list = labelled(QtWidgets.QListWidget(uniformItemSizes=True), "canvas.popup.list")
         self.list.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         # A click beside the field would otherwise give the focus to what lies below.
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setFocusProxy(self.field)
         self.list.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
-        self.list.setUniformItemSizes(True)
         self.list.setItemDelegate(_Row(self.list))
         parts, margins = (self.title, self.field, self.list), (_PADDING,) * 4
         self._layout = filled(QtWidgets.QVBoxLayout(self), *parts, margins=margins, spacing=4)

@@ -33,10 +33,9 @@ class EdgeTable(QtWidgets.QTreeWidget):
     switched = Signal()  # a key removes the marked edge, or uses it again
 
     def __init__(self, parent: QtWidgets.QWidget) -> None:
-        super().__init__(parent)
+        super().__init__(parent, rootIsDecorated=False)
         labelled(self, "measure.edges", "Edges; press Del to exclude or include the selected edge")
         self.setHeaderLabels(["Edge", "Normal", "MTF50", "State"])
-        self.setRootIsDecorated(False)
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         for column in range(3):
             mode = QtWidgets.QHeaderView.ResizeMode.ResizeToContents

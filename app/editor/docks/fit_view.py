@@ -162,8 +162,8 @@ class FitView(measure_view.WorkerView):
             "are used"
         )
         self.file = tool_button("fit.file", "Pictures…", about, self, self._choose_file)
-        self.name = labelled(QtWidgets.QLabel(_NO_PICTURE, self), "fit.picture")
-        self.name.setTextFormat(Qt.TextFormat.PlainText)
+        name = QtWidgets.QLabel(_NO_PICTURE, self, textFormat=Qt.TextFormat.PlainText)
+        self.name = labelled(name, "fit.picture")
         self.name.setMinimumHeight(self.file.sizeHint().height())  # level with the buttons' texts
         about = "Fit the free parameters to the picture"
         self.fit = tool_button("fit.begin", "Fit", about, self, self.begin)

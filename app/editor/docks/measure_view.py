@@ -432,11 +432,11 @@ class MeasureView(WorkerView):
         self.pictures = widgets.labelled(
             QtWidgets.QComboBox(self), "measure.pictures", about, about
         )
-        self.band = widgets.labelled(QtWidgets.QSpinBox(self), "measure.band", _BAND, _BAND)
+        band = QtWidgets.QSpinBox(
+            self, prefix="Band ", specialValueText="Band –", keyboardTracking=False
+        )
+        self.band = widgets.labelled(band, "measure.band", _BAND, _BAND)
         self.band.setRange(_NO_BAND, _LAST_BAND)
-        self.band.setPrefix("Band ")
-        self.band.setSpecialValueText("Band –")
-        self.band.setKeyboardTracking(False)
         self.band.setValue(_NO_BAND)
         bar = QtWidgets.QWidget(self)
         buttons = (self.viewer, self.file, self.stop, self.remove, self.unused, self.fit)

@@ -268,18 +268,12 @@ class RunsView(QtWidgets.QWidget):
         bar = QtWidgets.QWidget(self)
         buttons = (self.add, self.stop, self.clear, self.folder, self.page)
         filled(FlowLayout(bar, across=4, down=2), *buttons, margins=(4, 4, 4, 2))
-        self.list = labelled(
-            QtWidgets.QTreeWidget(self), "runs.list", "Queued, running and finished runs"
-        )
-        self.list.setColumnCount(2)
-        self.list.setHeaderHidden(True)
-        self.list.setRootIsDecorated(False)
+        runs = QtWidgets.QTreeWidget(self, columnCount=2, headerHidden=True, rootIsDecorated=False)
+        self.list = labelled(runs, "runs.list", "Queued, running and finished runs")
         self.list.header().setSectionResizeMode(QtWidgets.QHeaderView.ResizeMode.Stretch)
         self.hint = labelled(centred_hint(_HINT, self), "runs.hint")
-        self.previews = labelled(
-            QtWidgets.QListWidget(self), "runs.previews", "Pictures from the selected run"
-        )
-        self.previews.setViewMode(QtWidgets.QListWidget.ViewMode.IconMode)
+        icons = QtWidgets.QListWidget(self, viewMode=QtWidgets.QListWidget.ViewMode.IconMode)
+        self.previews = labelled(icons, "runs.previews", "Pictures from the selected run")
         self.previews.setMovement(QtWidgets.QListWidget.Movement.Static)
         self.previews.setResizeMode(QtWidgets.QListWidget.ResizeMode.Adjust)
         self.previews.setTextElideMode(Qt.TextElideMode.ElideMiddle)

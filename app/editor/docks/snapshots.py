@@ -349,11 +349,10 @@ class SnapshotsView(Viewer):
         self.title = ElidedLabel("snapshots.title", "Number of figures that differ", self)
         self.title.setContentsMargins(6, 0, 2, 0)
         self.figures = labelled(
-            QtWidgets.QListWidget(self), "snapshots.figures",
+            QtWidgets.QListWidget(self, wordWrap=True), "snapshots.figures",
             "Figures that differ; Ctrl+C copies the selected figure",
             "Figures in the snapshot (A) → current figures (B)",
         )  # fmt: skip
-        self.figures.setWordWrap(True)
         buttons = (self.keep, self.flip, self.wipe, self.back, self.remove)
         bar = filled(QtWidgets.QHBoxLayout(), *buttons, None, margins=(2, 2, 2, 0), spacing=3)
         line = self.fontMetrics().height()
@@ -394,7 +393,7 @@ class SnapshotList(QtWidgets.QTreeWidget):
     """The newest first, the current row is A; F2 renames, Del removes, Enter goes back."""
 
     def __init__(self, snapshots: Snapshots) -> None:
-        super().__init__()
+        super().__init__(rootIsDecorated=False)
         self._snapshots = snapshots
         labelled(
             self, "snapshots.list", "Snapshots: F2 renames, Del deletes, Enter goes back",
@@ -402,7 +401,6 @@ class SnapshotList(QtWidgets.QTreeWidget):
             "Enter to restore it",
         )  # fmt: skip
         self.setHeaderLabels(["Snapshot", "Kept"])
-        self.setRootIsDecorated(False)
         triggers = QtWidgets.QAbstractItemView.EditTrigger
         self.setEditTriggers(triggers.EditKeyPressed | triggers.DoubleClicked)
         self.header().setSectionResizeMode(0, QtWidgets.QHeaderView.ResizeMode.ResizeToContents)
@@ -456,10 +454,9 @@ class HistoryList(QtWidgets.QListWidget):
     """The present step is bold, undone ones are italic; a click or Enter goes to a step."""
 
     def __init__(self, session: Session, parent: QtWidgets.QWidget | None = None) -> None:
-        super().__init__(parent)
+        super().__init__(parent, textElideMode=Qt.TextElideMode.ElideMiddle)
         tip = "Edits of this network; click an edit or press Enter to go back or forward to it"
         labelled(self, "history", "History", tip)
-        self.setTextElideMode(Qt.TextElideMode.ElideMiddle)
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self._session = session
         self.itemClicked.connect(self._go)

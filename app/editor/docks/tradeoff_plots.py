@@ -429,24 +429,18 @@ class ParameterChoice(NodeChoice):
 
     def __init__(self, session: Session, parent: QWidget | None = None) -> None:
         super().__init__(session, _NOTHING, parent)
-        self._field = QLineEdit(self)
+        self._field = QLineEdit(self, placeholderText=_NOTHING)
+        self._field.setAccessibleName("search a parameter")
+        self._field.editingFinished.connect(self._finish_typing)
         self.setMinimumContentsLength(27)  # Integration time of focal_plane (s)
-        self._make_searchable()
-        self.fill()
-
-    def _make_searchable(self) -> None:
         self.setLineEdit(self._field)  # which makes it editable
         self.setInsertPolicy(QComboBox.InsertPolicy.NoInsert)
-        completer = QCompleter(self.entries, self)
+        completer = QCompleter(self.entries, self, maxVisibleItems=24)
         self.setCompleter(completer)
-        field = self._field
-        field.setPlaceholderText(_NOTHING)
-        field.setAccessibleName("search a parameter")
         completer.setFilterMode(Qt.MatchFlag.MatchContains)
         completer.setCompletionMode(QCompleter.CompletionMode.PopupCompletion)
         completer.setCaseSensitivity(Qt.CaseSensitivity.CaseInsensitive)
-        completer.setMaxVisibleItems(24)
-        field.editingFinished.connect(self._finish_typing)
+        self.fill()
 
     def _finish_typing(self) -> None:
         """Take a parameter by its words or its name in files; else show the chosen one again."""

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from PySide6.QtCore import QSize, Qt
 from PySide6.QtGui import QShowEvent
-from PySide6.QtWidgets import QFrame, QLineEdit, QScrollArea, QVBoxLayout, QWidget, QWidgetAction
+from PySide6.QtWidgets import QFrame, QScrollArea, QVBoxLayout, QWidget, QWidgetAction
 
 from app.editor.declared_text import label_of, shown_figure, shown_number
 from app.editor.docks import tradeoff_plots
@@ -21,7 +21,7 @@ from app.editor.viewers.plot.plot_export import have_plot_menu, save_plot
 from app.editor.viewers.plot.plot_looks import CurveList, thick
 from app.editor.viewers.plot.plotted_lines import Entry
 from app.editor.viewers.viewer import StatusLine, Viewer, ports_depend_on
-from app.editor.widgets import FlowLayout, Menu, filled, labelled, menu_button
+from app.editor.widgets import FlowLayout, Menu, filled, labelled, menu_button, search_field
 from app.run.overrides import Variation
 from app.run.transfer_chain import SYSTEM, TOTAL
 from app.tradeoff.tradeoff_results import (
@@ -164,9 +164,7 @@ class TradeOffView(Viewer):
         self.status = StatusLine(
             self.owner, "Values that could not be computed", "Values there", self
         )
-        scrolled = QScrollArea(self)
-        scrolled.setFrameShape(QFrame.Shape.NoFrame)
-        scrolled.setWidgetResizable(True)
+        scrolled = QScrollArea(self, frameShape=QFrame.Shape.NoFrame, widgetResizable=True)
         scrolled.setWidget(self.plots)
         filled(QVBoxLayout(self), bar, (scrolled, 1), self.status, spacing=1)
         self.plots.show_hint(_HINT)
@@ -418,9 +416,7 @@ _MOST_ROWS = 16
 class FigureMenu(Menu):
     def __init__(self, parent: QWidget) -> None:
         super().__init__(parent)
-        self.search = labelled(QLineEdit(self), "tradeoff.search", "Search figures")
-        self.search.setPlaceholderText("Search figures")
-        self.search.setClearButtonEnabled(True)
+        self.search = search_field("tradeoff.search", "Search figures", "Search figures", self)
         self.list = labelled(CurveList(self), "tradeoff.figures", "Figures to show")
         for widget in (self.search, self.list):
             action = QWidgetAction(self)

@@ -267,13 +267,11 @@ class Actions(dict[str, QAction]):
 
 
 def _made(spec: ActionSpec, parent: QWidget) -> QAction:
-    action = QAction(spec.text, parent)
+    action = QAction(spec.text, parent, checkable=spec.checkable, statusTip=spec.tip)
     action.setObjectName(f"action.{spec.name}")
+    action.setToolTip(spec.tip)
     action.setShortcuts([QKeySequence(key) for key in spec.keys])
     action.setShortcutContext(_SCOPES[spec.scope])
-    action.setToolTip(spec.tip)
-    action.setStatusTip(spec.tip)
-    action.setCheckable(spec.checkable)
     return action
 
 

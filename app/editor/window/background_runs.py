@@ -153,9 +153,7 @@ class AddRun(QDialog):
     added = Signal(str, object)  # (title, job): the person has added a run
 
     def __init__(self, session: Session, taken: Callable[[], set[Path]], parent: QWidget) -> None:
-        super().__init__(parent)
-        self.setObjectName("add_run")
-        self.setWindowTitle("Add a run")
+        super().__init__(parent, objectName="add_run", windowTitle="Add a run")
         self._session = session
         self._taken = taken
         self._varied = Varied(session, lambda _why: None)
@@ -176,13 +174,12 @@ class AddRun(QDialog):
         self.kinds.addItems([text for _, text in KINDS])
         choice = ParameterChoice(self._session, self)
         self.parameter = self._row("parameter", "&Parameter", choice, "sweep")
-        self.values: QLineEdit = self._row("values", "&Values", QLineEdit(self), "sweep")
-        self.values.setPlaceholderText(FORM)
+        line = QLineEdit(self, placeholderText=FORM)
+        self.values: QLineEdit = self._row("values", "&Values", line, "sweep")
         self.pictures = Check("also write a picture for each value", self)
         self._row("pictures", "", self.pictures, "sweep").setChecked(True)
-        self.frames = self._row("frames", "&Number of frames", QSpinBox(self), "frames")
-        self.frames.setRange(1, MOST_FRAMES)
-        self.frames.setValue(_USUAL_FRAMES)
+        frames = QSpinBox(self, minimum=1, maximum=MOST_FRAMES, value=_USUAL_FRAMES)
+        self.frames = self._row("frames", "&Number of frames", frames, "frames")
         self.reader = self._row("reader", "Read &by", QComboBox(self), "files")
         self._fill_readers()
         self.files, choose = self._browsed("files", "Pictur&es", "Choose pictures", "files")

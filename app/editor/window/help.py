@@ -14,7 +14,7 @@ from app.editor.session import Session
 from app.editor.viewers.picture.image_viewer import ImageViewer
 from app.editor.viewers.plot import plot_export
 from app.editor.viewers.plot.plot_viewer import PlotViewer
-from app.editor.widgets import CopiedTable, filled, labelled
+from app.editor.widgets import CopiedTable, filled, labelled, search_field
 from app.editor.window.actions import ACTIONS, Actions
 from app.editor.window.viewer_docks import ViewerDocks
 from app.run.terminal import command, version
@@ -159,14 +159,9 @@ class ShortcutList(QtWidgets.QDialog):
     """All shortcuts, read from the actions themselves, with a field that filters them."""
 
     def __init__(self, actions: Actions, parent: QtWidgets.QWidget) -> None:
-        super().__init__(parent)
-        self.setObjectName("shortcuts")
-        self.setWindowTitle("Shortcuts")
-        self.search = labelled(
-            QtWidgets.QLineEdit(self), "shortcuts.search", "Search the shortcuts"
-        )
-        self.search.setPlaceholderText("Name of an action, or its keys")
-        self.search.setClearButtonEnabled(True)
+        super().__init__(parent, objectName="shortcuts", windowTitle="Shortcuts")
+        hint = "Name of an action, or its keys"
+        self.search = search_field("shortcuts.search", "Search the shortcuts", hint, self)
         rows = (*shortcuts_of(actions), *BESIDE_ACTIONS)
         self._rows = [" ".join(row).casefold() for row in rows]
         table = labelled(CopiedTable(len(rows), 4, self), "shortcuts.table", "Shortcuts")

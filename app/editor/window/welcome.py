@@ -30,18 +30,16 @@ class WelcomePage(QtWidgets.QScrollArea):
     recovered = Signal(object)  # (work): open work that a crash left behind: a `Recovered`
 
     def __init__(self, parent: QtWidgets.QWidget | None = None) -> None:
-        super().__init__(parent)
+        super().__init__(parent, widgetResizable=True, frameShape=QtWidgets.QFrame.Shape.NoFrame)
         labelled(self, "welcome", "Welcome page")
-        self.setWidgetResizable(True)
-        self.setFrameShape(QtWidgets.QFrame.Shape.NoFrame)
         self._lists = QtWidgets.QVBoxLayout()
         self._gallery: QtWidgets.QWidget | None = None
         self._right = filled(
             QtWidgets.QVBoxLayout(), heading("New from an example", 1.5), margins=None
         )
         page = QtWidgets.QWidget()
-        about = QtWidgets.QLabel("Simulate electro-optical and infrared sensors, stage by stage.")
-        about.setWordWrap(True)
+        line = "Simulate electro-optical and infrared sensors, stage by stage."
+        about = QtWidgets.QLabel(line, wordWrap=True)
         about.setForegroundRole(FAINT)
         parts = (heading("Imagechain", 1.9), about, self._buttons(), self._lists)
         left = filled(QtWidgets.QVBoxLayout(), *parts, None, margins=None)
@@ -118,8 +116,8 @@ class WelcomePage(QtWidgets.QScrollArea):
         row = QtWidgets.QWidget()
         name = work.original.name if work.original is not None else "never saved"
         when = datetime.fromtimestamp(work.time).strftime("%Y-%m-%d %H:%M")
-        about = QtWidgets.QLabel(f"{name}, {when}" + (f": {work.problem}" if work.problem else ""))
-        about.setWordWrap(True)
+        line = f"{name}, {when}" + (f": {work.problem}" if work.problem else "")
+        about = QtWidgets.QLabel(line, wordWrap=True)
         layout = filled(QtWidgets.QHBoxLayout(row), (about, 1))
         if not work.problem:
             recover = self._choice("recover", f"{name} of {when}", layout)
@@ -133,8 +131,7 @@ class WelcomePage(QtWidgets.QScrollArea):
 
     def _choice(self, key: str, what: str, layout: QtWidgets.QHBoxLayout) -> QtWidgets.QPushButton:
         button = QtWidgets.QPushButton(key.capitalize())
-        button.setObjectName(f"welcome.{key}")
-        button.setAccessibleName(f"{button.text()} {what}")
+        labelled(button, f"welcome.{key}", f"{button.text()} {what}")
         layout.addWidget(button)
         return button
 
