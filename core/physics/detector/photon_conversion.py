@@ -71,25 +71,14 @@ class QuantumEfficiency:
             return np.where(inside, self.value, 0.0)
         return np.where(inside, ResponseCurve("file", points=self.points).at(wavelength), 0.0)
 
-    def photon_radiance(self, temperature_K: ArrayLike) -> Floats:
-        """∫ QE·L_q dλ of black bodies, s⁻¹ m⁻² sr⁻¹."""
+    def photon_radiance(self, temperature_K: ArrayLike, *, slope: bool = False) -> Floats:
+        """∫ QE·L_q dλ of black bodies, s⁻¹ m⁻² sr⁻¹, or its derivative by the temperature."""
         if self.points:
-            return _summed(temperature_K, *self._places(), photons=True)
-        temperature = np.asarray(temperature_K, np.float64)
-        photons = planck.band_photon_radiance(
-            cut_on_um=self.cut_on_um, cut_off_um=self.cut_off_um, temperature_K=temperature
-        )
+            return _summed(temperature_K, *self._places(), photons=True, slope=slope)
+        integral = planck.band_photon_radiance_derivative if slope else planck.band_photon_radiance
+        band = {"cut_on_um": self.cut_on_um, "cut_off_um": self.cut_off_um}
+        photons = integral(temperature_K=np.asarray(temperature_K, np.float64), **band)
         return np.asarray(self.value * photons)
-
-    def photon_radiance_slope(self, temperature_K: ArrayLike) -> Floats:
-        """Derivative of `photon_radiance` by temperature, s⁻¹ m⁻² sr⁻¹ K⁻¹."""
-        if self.points:
-            return _summed(temperature_K, *self._places(), photons=True, slope=True)
-        temperature = np.asarray(temperature_K, np.float64)
-        slope = planck.band_photon_radiance_derivative(
-            cut_on_um=self.cut_on_um, cut_off_um=self.cut_off_um, temperature_K=temperature
-        )
-        return np.asarray(self.value * slope)
 
     def integral(self, low_um: float, high_um: float) -> float:
         """∫ QE dλ over a part of the wavelengths, µm; exact for straight lines."""
@@ -169,36 +158,23 @@ class FilteredBody:
     efficiency: QuantumEfficiency
     responses: tuple[ResponseCurve, ...] = ()
 
-    def photons(self, temperature_K: ArrayLike) -> Floats:
-        """∫ QE·R·L_q dλ, s⁻¹ m⁻² sr⁻¹."""
+    def photons(self, temperature_K: ArrayLike, *, slope: bool = False) -> Floats:
+        """∫ QE·R·L_q dλ, s⁻¹ m⁻² sr⁻¹, or its derivative by the temperature."""
         if self._counts_all:
-            return self.efficiency.photon_radiance(temperature_K)
-        return _summed(temperature_K, *self._counting)
-
-    def photons_slope(self, temperature_K: ArrayLike) -> Floats:
-        """Derivative of `photons` by the temperature."""
-        if self._counts_all:
-            return self.efficiency.photon_radiance_slope(temperature_K)
-        return _summed(temperature_K, *self._counting, slope=True)
+            return self.efficiency.photon_radiance(temperature_K, slope=slope)
+        return _summed(temperature_K, *self._counting, slope=slope)
 
     @property
     def flat_photons(self) -> float:
         """∫ QE·R·λ/(hc) dλ: photons counted of 1 W/m²/sr/µm at all wavelengths."""
         return float(self._counting[1].sum())
 
-    def radiance(self, temperature_K: ArrayLike) -> Floats:
-        """∫ R·L dλ, W/m²/sr."""
+    def radiance(self, temperature_K: ArrayLike, *, slope: bool = False) -> Floats:
+        """∫ R·L dλ, W/m²/sr, or its derivative by the temperature."""
         if self.responses:
-            return _summed(temperature_K, *self._passing)
-        temperature = np.asarray(temperature_K, np.float64)
-        return planck.band_radiance(temperature_K=temperature, **self._band)
-
-    def radiance_slope(self, temperature_K: ArrayLike) -> Floats:
-        """Derivative of `radiance` by the temperature."""
-        if self.responses:
-            return _summed(temperature_K, *self._passing, slope=True)
-        temperature = np.asarray(temperature_K, np.float64)
-        return planck.band_radiance_derivative(temperature_K=temperature, **self._band)
+            return _summed(temperature_K, *self._passing, slope=slope)
+        integral = planck.band_radiance_derivative if slope else planck.band_radiance
+        return integral(temperature_K=np.asarray(temperature_K, np.float64), **self._band)
 
     def temperature(self, radiance: ArrayLike) -> Floats:
         """Temperatures whose `radiance` is this."""
@@ -212,7 +188,7 @@ class FilteredBody:
             there = self.radiance(kelvin)
             away = np.log(there) - target
             # d ln L/d(1/T) = −T²·L'/L
-            step = away * there / (self.radiance_slope(kelvin) * kelvin**2)
+            step = away * there / (self.radiance(kelvin, slope=True) * kelvin**2)
             # The logarithm bends upwards where it is steep: no further than by halves or doubles.
             inverse = np.clip(inverse + step, inverse / 2.0, inverse * 2.0)
             inverse = np.clip(inverse, 1.0 / _HOTTEST_K, 1.0 / _COLDEST_K)
@@ -316,9 +292,8 @@ class PhotonWeights:
         if self.used == "scene":
             if temperature_K is None:
                 temperature_K = self.temperature(radiance)
-            return float(self._counted.photons_slope(temperature_K)) / self.per_kelvin(
-                temperature_K
-            )
+            photons = float(self._counted.photons(temperature_K, slope=True))
+            return photons / self.per_kelvin(temperature_K)
         return self._constant
 
     def temperature(self, mean: float) -> float:
@@ -341,8 +316,8 @@ class PhotonWeights:
     def per_kelvin(self, temperature_K: float) -> float:
         """Derivative of that light, or of those photons, by the temperature."""
         if self.used == "spectrum":
-            return float(self._counted.photons_slope(temperature_K))
-        return float(self._dimmed.radiance_slope(temperature_K))
+            return float(self._counted.photons(temperature_K, slope=True))
+        return float(self._dimmed.radiance(temperature_K, slope=True))
 
     @cached_property
     def _dimmed(self) -> FilteredBody:
