@@ -290,7 +290,7 @@ SQUARE = 1e-7  # samples by which a border may leave the scene's rows, too few t
 
 @dataclass(frozen=True, eq=False)
 class Footprints:
-    """Footprints of a frame on a scene, both of (rows, columns), counted in the scene's samples.
+    """Footprints of a frame on a scene of (rows, columns), counted in its samples.
 
     `turned`: what follows holds with lines and columns of the frame exchanged. `level`: all strips
     of a line end at the same rows of the scene, or columns if `swapped`, where its rows and columns
@@ -301,7 +301,6 @@ class Footprints:
     are level.
     """
 
-    shape: tuple[int, int]
     scene: tuple[int, int]
     turned: bool
     level: bool
@@ -350,7 +349,6 @@ def footprints(
     places = np.arange((len(first) - 1) * cuts + 1) / cuts
     height = (along[-1] - along[0]) / (len(along) - 1)
     return Footprints(
-        shape=(len(along) - 1, len(across) - 1),
         scene=scene,
         turned=turned,
         level=level,
