@@ -447,8 +447,6 @@ class TtpThreshold:
         Contrast threshold function of sensor and eye at them, zero or above, shape (n,): zero at
         the first only, infinite where nothing is seen.
 
-    Notes
-    -----
     Source: Vollmerhausen, Jacobs and Driggers 2004, Opt. Eng. 43, 2806 (the equation's number could
     not be checked); the bounds of the sum are where C = CTF. With thresholds across and along, V is
     the root of the product of both. Samples are joined as in `interpolated`. The sum is

@@ -261,8 +261,6 @@ def pooled_mtf(*, edges: Sequence[EdgeMtf], axis: Axis) -> MtfCurve | None:
     axis : {'x', 'y'}
         Across the picture, or down it; the normal of at least one edge must lie within 30° of it.
 
-    Notes
-    -----
     At a frequency f along a normal at an angle φ to the axis, the MTF is taken as
     M + A·sin²φ + B·sin φ·cos φ, which is what blurs, motion and pixels do to second order in f: a
     round blur has A = B = 0, and an edge off the axis is then as good as one on it. A is assumed to

@@ -63,8 +63,6 @@ def find_edges(
     tuple of FoundEdge
         All candidates, those used first, by their contrast over the noise and their length.
 
-    Notes
-    -----
     Where there are many, the clearest are looked at first, by the root of their length times their
     slope, spread over frame and directions, until 48 can be used: what the edges of a picture share
     in error is by then larger than what more of them would take off.

@@ -303,8 +303,6 @@ def structure_share(
     limit : float
         Largest coarse power that was chosen.
 
-    Notes
-    -----
     Generalized least squares: middle and fine power are the noise's plus structure of the fall that
     scenes have in the mean; their errors are those of χ² and the fall's, by the structure's square.
     No test decides which waves are used, as that would choose by how the noise came out. What is

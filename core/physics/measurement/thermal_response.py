@@ -85,8 +85,6 @@ def thermal_response(fields: Sequence[ThermalField]) -> ThermalResponse:
     DataError
         There is one temperature only, or the mean does not change with it.
 
-    Notes
-    -----
     The means are taken as O + R/(exp(B/T) − 1), Planck's law at a wavelength c₂/B, whose three
     numbers follow by least squares; SiTF is its slope. Of bands of 1.5–5, 3–5 and 7.5–13.5 µm it is
     within 3e-6 (ΔT/K)² of the truth (0.03 % over 10 K, where a parabola errs by 0.3 to 0.7 % at 3–5

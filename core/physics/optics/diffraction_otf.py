@@ -459,8 +459,6 @@ def annular_defocus_otf(
     ndarray
         1 at zero, 0 from the cutoff on; absolute error near 1e-15.
 
-    Notes
-    -----
     Pupils moved by ±v differ in phase by kx, k = 8π·W20·v, so that the OTF is the integral of
     cos(kx) over the area they share, (D − d)(D' − d') with discs D and obscurations d: a lens of
     the discs, less twice that of a disc and the other's obscuration, and one of the obscurations.

@@ -97,8 +97,6 @@ def error_estimate(
         How far the true edges along rows or columns may lie from the pixel borders: half a sample
         when nothing is known, 0 when the edges are the pixels' own.
 
-    Notes
-    -----
     The sum of: straight edges along the grid, whose position is known to half a sample only (the
     largest term by far where there are any); stairs round curves and slants, which average out;
     what the samples of a wavefront miss, from the four half-resolution pupils; and the curvature
