@@ -41,86 +41,36 @@ class Material:
     cut_off_um: float
     temperature_K: float
     noise_factor: Literal[2, 4]
-    source: str
     quantum_efficiency: float = 0.0
     fowler_per_eV: float = 0.0
     resistance_area_ohm_cm2: float = inf
     dark_current_A_per_cm2: float = 0.0
 
 
-SILICON = Material(
-    name="Si",
-    cut_off_um=1.107,
-    quantum_efficiency=0.7,
-    temperature_K=300.0,
-    noise_factor=2,
-    resistance_area_ohm_cm2=1e7,
-    source="photodiode at room temperature: band gap 1.12 eV (Sze 1981); zero-bias resistance of"
-    " about 1 GΩ for 1 mm² (makers' data sheets), D* about 1e13 at the peak",
-)
+# Photodiode at room temperature: band gap 1.12 eV (Sze 1981); zero-bias resistance of about 1 GΩ
+# for 1 mm² (makers' data sheets), D* about 1e13 at the peak.
+SILICON = Material("Si", 1.107, 300.0, 2, quantum_efficiency=0.7, resistance_area_ohm_cm2=1e7)
 
-INSB = Material(
-    name="InSb",
-    cut_off_um=5.5,
-    quantum_efficiency=0.7,
-    temperature_K=77.0,
-    noise_factor=2,
-    resistance_area_ohm_cm2=1e6,
-    source="photovoltaic at 77 K (Rogalski 2011, Infrared Detectors, InSb photodiodes); EG&G"
-    " Judson 1995: D* about 1e11 at 5 µm in a 60° field of view",
-)
+# Photovoltaic at 77 K (Rogalski 2011, Infrared Detectors, InSb photodiodes); EG&G Judson 1995: D*
+# about 1e11 at 5 µm in a 60° field of view.
+INSB = Material("InSb", 5.5, 77.0, 2, quantum_efficiency=0.7, resistance_area_ohm_cm2=1e6)
 
-PTSI = Material(
-    name="PtSi",
-    cut_off_um=5.6,
-    fowler_per_eV=0.25,
-    temperature_K=77.0,
-    noise_factor=2,
-    dark_current_A_per_cm2=1e-9,
-    source="Schottky barrier of 0.22 eV on p-type silicon; emission C1 (hν − ψ)²/hν (Fowler 1931),"
-    " C1 0.2 to 0.4 per eV (Shepherd 1992); about 1% at 4 µm",
-)
+# Schottky barrier of 0.22 eV on p-type silicon; emission C1 (hν − ψ)²/hν (Fowler 1931), C1 0.2 to
+# 0.4 per eV (Shepherd 1992); about 1% at 4 µm.
+PTSI = Material("PtSi", 5.6, 77.0, 2, fowler_per_eV=0.25, dark_current_A_per_cm2=1e-9)
 
-HGCDTE_MWIR = Material(
-    name="HgCdTe",
-    cut_off_um=5.1,
-    quantum_efficiency=0.7,
-    temperature_K=77.0,
-    noise_factor=2,
-    resistance_area_ohm_cm2=1e6,
-    source="photovoltaic, Hg0.70Cd0.30Te at 77 K; cutoff from the band gap of Hansen, Schmit and"
-    " Casselman 1982",
-)
+# Photovoltaic, Hg0.70Cd0.30Te at 77 K; cutoff from the band gap of Hansen, Schmit and Casselman
+# 1982.
+HGCDTE_MWIR = Material("HgCdTe", 5.1, 77.0, 2, quantum_efficiency=0.7, resistance_area_ohm_cm2=1e6)
 
-HGCDTE_LWIR = Material(
-    name="HgCdTe",
-    cut_off_um=12.5,
-    quantum_efficiency=0.7,
-    temperature_K=77.0,
-    noise_factor=4,
-    source="photoconductive, Hg0.79Cd0.21Te at 77 K; cutoff from the band gap of Hansen, Schmit"
-    " and Casselman 1982; EG&G Judson 1995: D* about 4e10 in a 60° field of view",
-)
+# Photoconductive, Hg0.79Cd0.21Te at 77 K; cutoff as above; EG&G Judson 1995: D* about 4e10 in a 60°
+# field of view.
+HGCDTE_LWIR = Material("HgCdTe", 12.5, 77.0, 4, quantum_efficiency=0.7)
 
-SI_GA = Material(
-    name="Si:Ga",
-    cut_off_um=17.1,
-    quantum_efficiency=0.3,
-    temperature_K=20.0,
-    noise_factor=4,
-    source="extrinsic photoconductor: ionization energy 0.0725 eV, quantum efficiency 30% (Bratt"
-    " 1977, Semiconductors and Semimetals 12)",
-)
-
-SI_AS = Material(
-    name="Si:As",
-    cut_off_um=23.1,
-    quantum_efficiency=0.2,
-    temperature_K=10.0,
-    noise_factor=4,
-    source="extrinsic photoconductor: ionization energy 0.0537 eV, quantum efficiency 20% (Bratt"
-    " 1977, Semiconductors and Semimetals 12)",
-)
+# Extrinsic photoconductors of ionization energies of 0.0725 and 0.0537 eV (Bratt 1977,
+# Semiconductors and Semimetals 12).
+SI_GA = Material("Si:Ga", 17.1, 20.0, 4, quantum_efficiency=0.3)
+SI_AS = Material("Si:As", 23.1, 10.0, 4, quantum_efficiency=0.2)
 
 MATERIALS_BY_REGION = MappingProxyType(
     {"VIS": (SILICON,), "MWIR": (INSB, PTSI, HGCDTE_MWIR), "LWIR": (HGCDTE_LWIR, SI_GA, SI_AS)}

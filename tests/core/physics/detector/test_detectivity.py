@@ -15,7 +15,7 @@ from core.physics.radiometry import spectra
 from core.physics.radiometry.spectra import Material, find_material
 
 ALL = [m for choices in spectra.MATERIALS_BY_REGION.values() for m in choices]
-IDEAL = Material("ideal", 12.0, 77.0, 2, "test", quantum_efficiency=1.0)
+IDEAL = Material("ideal", 12.0, 77.0, 2, quantum_efficiency=1.0)
 
 
 def photons(cut_off_um, temperature, efficiency=lambda _: 1.0):
@@ -38,7 +38,7 @@ def test_ideal_detector_has_the_background_limit(half_angle):
 
 
 def test_photoconductor_is_root_two_below_a_junction():
-    pair = [Material("m", 12.0, 77.0, kind, "test", quantum_efficiency=1.0) for kind in (2, 4)]
+    pair = [Material("m", 12.0, 77.0, kind, quantum_efficiency=1.0) for kind in (2, 4)]
     junction, conductor = (d_star(10.0, material=material) for material in pair)
     assert junction / conductor == pytest.approx(np.sqrt(2.0), rel=1e-14)
 
@@ -49,7 +49,6 @@ def test_resistance_and_dark_current_add_their_noise():
         12.0,
         77.0,
         2,
-        "test",
         quantum_efficiency=1.0,
         resistance_area_ohm_cm2=1.0,
         dark_current_A_per_cm2=0.1,
@@ -75,13 +74,12 @@ def test_schottky_barrier_follows_fowler():
 
 
 @pytest.mark.parametrize("material", ALL, ids=lambda m: f"{m.name}-{m.cut_off_um}")
-def test_every_material_ends_at_its_cut_off_and_names_its_source(material):
+def test_every_material_ends_at_its_cut_off(material):
     edge = material.cut_off_um
     wavelength = np.array([0.5, 0.999, 1.001, 2.0]) * edge
     assert np.all((d_star(wavelength, material=material) > 0) == [True, True, False, False])
     efficiency = quantum_efficiency(wavelength, material=material)
     assert np.all((efficiency >= 0.0) & (efficiency <= 1.0))
-    assert material.source
 
 
 @pytest.mark.parametrize(
