@@ -1,4 +1,4 @@
-"""Probability that an observer acquires a target, and the range at which it falls to a value.
+"""What the observer's eye averages and sees, and the probability that it acquires a target.
 
 Lengths on the target are in m, ranges in m, frequencies in cycles per mrad of the scene; a target
 of 1 m at 1000 m is 1 mrad wide.
