@@ -151,7 +151,7 @@ def test_scene(
     target_reflectance : float | Expression
         reflectance of a target, used if quantity is reflectance: a number from 0 to 1; default 0.15
     sun_elevation_deg : float | Expression
-        elevation of the Sun (0: no Sun), used if bands is above 0 [deg]: a number from 0 to 90;
+        elevation of the sun (0: no sun), used if bands is above 0 [deg]: a number from 0 to 90;
         default 0.0
     temperature_K : float | Expression
         background temperature [K]: a number above 0; default 303.15
@@ -161,7 +161,8 @@ def test_scene(
         direction of the edge's normal or of the sine wave, clockwise from horizontal [deg]: a
         number; default 5.0
     frequency : float | Expression
-        cycles per frame width, or number of spokes of the star: a number above 0; default 16.0
+        cycles per frame width (sine) or shorter side (coarsest bars); number of spokes (star): a
+        number above 0; default 16.0
 
     Notes
     -----
@@ -573,14 +574,15 @@ def reflected_light(
 ) -> Part:
     """Convert a picture of reflectances to radiance under sun and sky.
 
-    For matt, horizontal surfaces: L = ρ·(E_sun·e^(−τm)·sin h + π·L_sky)/π, integrated over the
+    For horizontal Lambertian surfaces: L = ρ·(E_sun·e^(−τm)·sin h + π·L_sky)/π, integrated over the
     band. h is the sun's elevation, τ the zenith optical depth of the air, and m the air mass. E_sun
-    is the standard solar spectrum (ASTM G173, extended beyond 4 µm by a black body), a black body
-    of 5800 K (1388 W/m² in total, 16 % too low at 1.6 µm), a number, or a spectrum in a CSV file.
+    is the standard solar spectrum (ASTM G173, extended beyond 4 µm by a black body) or a black body
+    of 5800 K (1388 W/m² in total, 16 % too low at 1.6 µm), as set by `sun`. The number in
+    `solar_irradiance` or the CSV file in `path` replaces this spectrum.
     The sky has the same radiance in all directions. The picture's unit, set on Read Image, must be
-    1, %, reflectance or albedo. A reflectance applies to all wavelengths. With `bands` above 1, the
-    radiance has that many bands; a cube of reflectances keeps its own bands. Add Atmospheric Path
-    for the path from the surface to the camera.
+    1, %, reflectance or albedo. A picture with one band has the same reflectance at all
+    wavelengths. With `bands` above 1, the radiance has that many bands; a cube of reflectances
+    keeps its own bands. Add Atmospheric Path for the path from the surface to the camera.
 
     `illuminance_lux` scales sun and sky to give this illuminance on the ground: 100 000 lx in
     sunlight, 1000 under an overcast sky, 0.1 at full moon, 0.01 at quarter moon, 0.001 in
@@ -595,11 +597,11 @@ def reflected_light(
     Parameters
     ----------
     sun : Literal['standard', 'black_body']
-        spectrum of the sun above the air: the standard ASTM G173, or a black body of 5800 K: one of
-        standard, black_body; default 'standard'
+        solar spectrum above the atmosphere: the standard ASTM G173, or a black body of 5800 K: one
+        of standard, black_body; default 'standard'
     solar_irradiance : float | Expression | None
-        solar irradiance above the air at normal incidence, used instead of the spectrum; empty:
-        from `sun` [W/m²/µm]: a number from 0 to 1e+12 or empty; default empty
+        solar irradiance above the atmosphere at normal incidence, used instead of the spectrum;
+        empty: from `sun` [W/m²/µm]: a number from 0 to 1e+12 or empty; default empty
     path : str | PathLike[str] | None
         CSV of wavelength (µm) and solar irradiance (W/m²/µm), used instead of `sun` and
         solar_irradiance; empty: no file: a file name or empty; default empty
@@ -650,8 +652,8 @@ def atmospheric_path(
     transmission is exp(−β·R). `visibility_km`: Koschmieder's β = 3.912/V at 0.55 µm, times
     (0.55/λ)^q. `modtran`: a tape7 or the JSON output of MODTRAN (columns FREQ, TOT TRANS and the
     path radiances; 10⁸/λ² converts W/cm²/sr per cm⁻¹ to W/m²/sr/µm), or a CSV of wavelength_um,
-    transmission, path_radiance (W/m²/sr/µm). The path radiance comes from the file, or is (1 − τ)
-    times the radiance of a black body at `air_K`.
+    transmission, path_radiance (W/m²/sr/µm). MODTRAN's data contain the path radiance; with other
+    models, it is (1 − τ) times the radiance of a black body at `air_K`.
 
     `modtran_tables`: pyBSM's tables of MODTRAN 5.2.1, 0.3 to 14 µm, for a target on the ground, a
     mid-latitude summer and the sun 40° above the horizon. Between the tables, −ln τ/R and L_path/(1
@@ -684,13 +686,13 @@ def atmospheric_path(
         CSV of wavelength (µm) and transmission, used instead of `transmission`; for modtran: a
         tape7, JSON or CSV: a file name or empty; default empty
     extinction_per_km : float | Expression
-        extinction: the sum of absorption and scattering [1/km]: a number from 0 to 1e+06; default
+        extinction coefficient: absorption plus scattering [1/km]: a number from 0 to 1e+06; default
         0.2
     visibility_km : float | Expression
         visibility (2 % contrast) [km]: a number above 0 to 1e+06; default 23.0
     angstrom_q : float | Expression
-        Ångström exponent q: the extinction is proportional to wavelength^−q: a number from -5 to 5;
-        default 0.0
+        Ångström exponent q: the extinction coefficient is proportional to wavelength^−q: a number
+        from -5 to 5; default 0.0
     haze : Literal['rural_23_km', 'rural_5_km']
         haze type and visibility of MODTRAN's tables: one of rural_23_km, rural_5_km; default
         'rural_23_km'
@@ -701,11 +703,12 @@ def atmospheric_path(
         length of the path; empty: from a Camera before this node, or from Init & Trans if context
         is connected [m]: a number from 0 to 1e+09 or empty; default empty
     air_K : float | Expression | None
-        temperature of the air; empty: the air adds no radiance [K]: a number from 0 to 10000 or
-        empty; default empty
+        temperature of the air; empty: no path radiance [K]: a number from 0 to 10000 or empty;
+        default empty
     source_K : float | Expression | None
-        temperature of the black body that weights a single band; empty: the scene's temperature, or
-        5800 K for sunlight [K]: a number from 0 to 1e+06 or empty; default empty
+        temperature of the black body that weights a single band; empty: 5800 K if the band begins
+        below 2.5 µm, else the brightness temperature of the picture's mean [K]: a number from 0 to
+        1e+06 or empty; default empty
 
     Notes
     -----
@@ -737,15 +740,15 @@ def atmosphere_mtf(
 ) -> Part:
     """Blur by atmospheric turbulence and aerosol scattering (turbidity).
 
-    Turbulence is a Gaussian blur of a given width, or Fried's long- or short-exposure MTF, with r0
-    entered or computed from a Cn² profile. The turbidity MTF is exp(−τ(ρ/ρc)²) up to ρc and a
-    plateau of exp(−τ) beyond it. τ comes from an aerosol level (plateau 0.99, 0.975 or 0.955), a
-    number, or the scattering coefficient along the path. On a downward or upward path, the
-    scattering coefficient falls exponentially with height. Absorption attenuates all frequencies
-    equally and does not blur; for absorption, use Atmospheric Path. The blur is stronger looking up
-    than looking down, because the strongest turbulence is then near the aperture. r0 scales with
-    λ^(6/5), and the aerosol cutoff ρc with 1/λ. Each band of a spectral picture is blurred at its
-    own wavelength.
+    `turbulence` selects a Gaussian blur of a given width, or Fried's long- or short-exposure MTF.
+    r0 is entered or, if empty, computed from a Cn² profile. The turbidity MTF is exp(−τ(ρ/ρc)²) up
+    to ρc and a plateau of exp(−τ) beyond it. τ comes from the aerosol level (plateau 0.99, 0.975 or
+    0.955) or, if `turbidity` is custom, from a number or the scattering coefficient along the path.
+    On a downward or upward path, the scattering coefficient falls exponentially with height.
+    Absorption attenuates all frequencies equally and does not blur; for absorption, use Atmospheric
+    Path. The blur is stronger looking up than looking down, because the strongest turbulence is
+    then near the aperture. r0 scales with λ^(6/5), and the aerosol cutoff ρc with 1/λ. Each band of
+    a spectral picture is blurred at its own wavelength.
 
     Sources: Tantalo 1996, section 4.2; Fried 1966; Sadot and Kopeika 1992.
 
@@ -776,8 +779,8 @@ def atmosphere_mtf(
         Cn² along a horizontal path, or at the ground for a vertical path [m^(-2/3)]: a number of at
         least 0 or empty; default empty
     turbidity : Literal['none', 'low', 'moderate', 'high', 'custom']
-        aerosol level; custom: τ from scatter_depth, or from scattering_per_km along the path: one
-        of none, low, moderate, high, custom; default 'none'
+        aerosol level; custom: τ from scatter_depth or, if empty, from scattering_per_km: one of
+        none, low, moderate, high, custom; default 'none'
     scatter_depth : float | Expression | None
         optical depth τ, used when turbidity is custom; empty: from scattering_per_km: a number of
         at least 0 or empty; default empty
@@ -792,8 +795,8 @@ def atmosphere_mtf(
         line of sight, used with scattering_per_km and Cn²; vertical: looking down from a height;
         up: looking up to a height: one of horizontal, vertical, up; default 'horizontal'
     absorption_per_km : float | Expression
-        absorption coefficient, which has no effect here: absorption dims the scene without blurring
-        it; use Atmospheric Path [1/km]: a number of at least 0; default 0.0
+        absorption coefficient, which has no effect here: absorption attenuates the scene without
+        blurring it; use Atmospheric Path [1/km]: a number of at least 0; default 0.0
     scattering_per_km : float | Expression
         scattering coefficient, used when turbidity is custom [1/km]: a number of at least 0;
         default 0.0
@@ -835,7 +838,7 @@ def camera(
     use pitch, focal length, F-number, fill factor and range. Diffraction MTF uses aperture and
     obscuration, and Sample Pixels uses the pitch. Init & Trans uses the data for parameters left
     empty there. Any two of focal length, F-number and aperture determine the third. An image
-    without a sampling interval gets one from the pixel angle on the axis. So does an image with the
+    without a sampling interval gets one from the IFOV on the axis. So does an image with the
     same field of view as the lens, 2·atan(Np/2f): a wide field must not be divided into equal
     angles. A warning names values that disagree; nothing is corrected.
 
@@ -852,7 +855,7 @@ def camera(
     the axis and usual in infrared work. `sine` (π/(4F²)) is exact for a lens corrected for coma,
     such as a fast photographic or infrared lens. The values of `disc` and `sine` differ by 25 % at
     F/1 and by 1.6 % at F/4. Sources: Holst 2008, Electro-Optical Imaging System Performance,
-    chapters 2 and 10 (pixel angle, f-number, GSD); Kingslake 1983, Optical System Design, chapter 6
+    chapters 2 and 10 (IFOV, F-number, GSD); Kingslake 1983, Optical System Design, chapter 6
     (sine condition, T-number); Wertz and Larson 1999, Space Mission Analysis and Design, chapter 5
     (orbit).
 
@@ -931,22 +934,22 @@ def diffraction_mtf(
     """Blur by diffraction at a circular or annular aperture, computed exactly over the band.
 
     Aperture and obscuration come from Camera. Without a Camera, the aperture is the focal length
-    divided by the F-number, both from Init & Trans. No pupil array is needed. Over a band, each
-    wavelength's OTF is weighted by the photons or the energy of a black body, or all wavelengths
-    are weighted equally, as in Tantalo 1996. The black body's temperature is `source_K`. If
-    `source_K` is empty, the temperature is 5800 K (sunlight) for a band that begins below 2.5 µm,
-    and otherwise the brightness temperature of the picture's mean radiance. `response`, and a
-    Spectral Response before this module, also weight the light, like a detector behind the optics.
-    With `wavelengths` set to auto, the module uses as many wavelengths as `tolerance` requires,
-    placed between the kinks of the OTF. A number sets how many wavelengths sample the band; 1 uses
-    the band's middle. With auto, a spectral picture is blurred band by band, and the MTF shown is
-    the mean weighted by the picture's own light.
+    divided by the F-number, both from Init & Trans. No pupil array is needed. Over a band,
+    `weighting` weights each wavelength's OTF by the photons or the energy of a black body, or
+    equally, as in Tantalo 1996. The black body's temperature is `source_K`. If `source_K` is empty,
+    the temperature is 5800 K (sunlight) for a band that begins below 2.5 µm, and otherwise the
+    brightness temperature of the picture's mean radiance. `response`, and a Spectral Response
+    before this module, also weight the light, like a detector behind the optics. With `wavelengths`
+    set to auto, the module uses as many wavelengths as `tolerance` requires, placed between the
+    kinks of the OTF. A number sets how many wavelengths sample the band; 1 uses the band's middle.
+    With auto, a spectral picture is blurred band by band, and the MTF shown is the mean weighted by
+    the picture's own light.
 
-    `defocus_waves` is W20 at the rim, in waves at the band's middle; the OTF stays real and may be
-    negative. `rms_wavefront_waves`, also in waves at the band's middle, applies Shannon's factor
-    for small errors of any shape, 1 − (W/0.18)²(1 − 4(ν − 1/2)²). Sources: Goodman 2005; O'Neill
-    1956 (annulus, with its erratum); Hopkins 1955 (defocus); Shannon 1994, Handbook of Optics I,
-    chapter 35.
+    `defocus_waves` is W20 at the rim of the pupil, in waves at the band's middle; the OTF stays
+    real and may be negative. `rms_wavefront_waves`, also in waves at the band's middle, applies
+    Shannon's factor for small errors of any shape, 1 − (W/0.18)²(1 − 4(ν − 1/2)²). Sources: Goodman
+    2005; O'Neill 1956 (annulus, with its erratum); Hopkins 1955 (defocus); Shannon 1994, Handbook
+    of Optics I, chapter 35.
 
     Parameters
     ----------
@@ -966,8 +969,9 @@ def diffraction_mtf(
         weighting of the wavelengths: by photons (as in a photon detector), by energy, or equal: one
         of photons, energy, uniform; default 'photons'
     source_K : float | Expression | None
-        temperature of the black body that weights the band; empty: the picture's mean temperature,
-        or 5800 K for sunlight [K]: a number from 0 to 1e+06 or empty; default empty
+        temperature of the black body that weights the band; empty: 5800 K if the band begins below
+        2.5 µm, else the brightness temperature of the picture's mean [K]: a number from 0 to 1e+06
+        or empty; default empty
     response : str | PathLike[str] | None
         CSV of wavelength (µm) and detector response, which also weights the light; empty: no
         response: a file name or empty; default empty
@@ -979,7 +983,7 @@ def diffraction_mtf(
         largest OTF error allowed with auto; 0 means 1e-13, or 1e-10 with defocus, or 1e-6 with a
         response of many points: a number from 0 to 1; default 0.0
     defocus_waves : float | Expression
-        defocus at the rim, W20 [waves]: a number from -20 to 20; default 0.0
+        defocus W20 at the rim of the pupil [waves]: a number from -20 to 20; default 0.0
     rms_wavefront_waves : float | Expression
         rms wavefront error of any shape [waves]: a number from 0 to 0.18; default 0.0
     apply : Literal['multiply', 'filter_only']
@@ -1019,7 +1023,7 @@ def exit_pupil(
     over the full height. `cassegrain_slit` has the same bar on an annulus; `spider` is an annulus
     with n vanes, 360°/n apart, the first along +x.
 
-    The wavefront error is in waves at the band's mean wavelength, defined on a disc with the
+    The wavefront error is in waves at the band's middle wavelength, defined on a disc with the
     aperture's radius. For a file, the disc is the smallest circle around all samples above 1 % of
     the largest. The circle is centred on the array if centring increases its radius by at most one
     sample. A `radius` that you enter is always centred on the array. The read-out `aperture_radius`
@@ -1063,7 +1067,7 @@ def exit_pupil(
         wavelength of a wavefront map in waves or rad; empty: from the map's header, else the middle
         of the band [µm]: a number of at least 0 or empty; default empty
     defocus_waves : float | Expression
-        defocus W20 at the rim [waves]: a number from -100 to 100; default 0.0
+        defocus W20 at the rim of the pupil [waves]: a number from -100 to 100; default 0.0
     zernike_waves : Sequence[float]
         Zernike coefficients in Noll's order, from 1 (piston) [waves rms]: a list of numbers from
         -100 to 100; default ()
@@ -1121,14 +1125,15 @@ def exit_pupil_mtf(
         interpolation from the sampled pupil to the image's frequencies: one of none, linear,
         bilinear; default 'bilinear'
     wavelengths : int | Expression
-        number of wavelengths that sample the band; 1 uses the band's mean: a whole number from 1 to
-        256; default 1
+        number of wavelengths that sample the band; 1 uses the band's middle: a whole number from 1
+        to 256; default 1
     weighting : Literal['uniform', 'photons', 'energy']
         weighting of the wavelengths: equal (as in Tantalo 1996), by photons, or by energy: one of
         uniform, photons, energy; default 'uniform'
     source_K : float | Expression | None
-        temperature of the black body that weights the band; empty: the picture's mean temperature,
-        or 5800 K for sunlight [K]: a number from 0 to 1e+06 or empty; default empty
+        temperature of the black body that weights the band; empty: 5800 K if the band begins below
+        2.5 µm, else the brightness temperature of the picture's mean [K]: a number from 0 to 1e+06
+        or empty; default empty
     response : str | PathLike[str] | None
         CSV of wavelength (µm) and detector response, which also weights the light; empty: no
         response: a file name or empty; default empty
@@ -1159,16 +1164,16 @@ def vignetting(
 
     `natural` applies cos⁴ of the field angle. The tangent of the angle is the distance from the
     middle in samples times the sampling interval, which is pitch/f for a picture from Camera.
-    `measured` applies a measured curve of relative illumination: a CSV of height and value, or 1 +
-    c₁h² + c₂h⁴ + …. `against` selects the height axis: field angle, image height, or fraction of
-    the picture's half diagonal. A lens maker's curve usually includes cos⁴; in that case, switch
-    `natural` off. Put the module before Focal Plane, so that shot noise follows from the vignetted
-    light. Transfer functions do not change. Signal and SNR use the mean over the field; NETD and
-    `scene_K` refer to the scene before the vignetting. For a thermal picture with one band, Focal
-    Plane converts radiance to photons at the brightness temperature that the picture had before the
-    mean loss. A sample with half the mean light then gets 0.3 % too many photons (3.7 to 4.8 µm).
-    This error does not occur with spectral pictures, or if `photon_weighting` is not scene. Source:
-    Kingslake 1983, Optical System Design, chapter 6.
+    `measured` applies a measured curve of relative illumination: a CSV of height and value
+    (`file`), or 1 + c₁h² + c₂h⁴ + … (`polynomial`). `against` selects the height axis: field angle,
+    image height, or fraction of the picture's half diagonal. A lens maker's curve usually includes
+    cos⁴; in that case, switch `natural` off. Put the module before Focal Plane, so that shot noise
+    follows from the vignetted light. Transfer functions do not change. Signal and SNR use the mean
+    over the field; NETD and `scene_K` refer to the scene before the vignetting. For a thermal
+    picture with one band, Focal Plane converts radiance to photons at the brightness temperature
+    that the picture had before the mean loss. A sample with half the mean light then gets 0.3 % too
+    many photons (3.7 to 4.8 µm). This error does not occur with spectral pictures, or if
+    `photon_weighting` is not scene. Source: Kingslake 1983, Optical System Design, chapter 6.
 
     Parameters
     ----------
@@ -1277,15 +1282,15 @@ def field_psf(
     `positions` are distances from the picture's middle, as fractions of the half diagonal. For each
     position, give a Gaussian or a file that MTF File or PSF File can read. A Gaussian has a
     tangential rms width (along the radius) and a sagittal rms width (across the radius). A file
-    describes a point straight above the middle: `mtf_y` is the tangential curve, and the top of a
-    PSF's picture points away from the axis. A single Zemax listing in `path_1` supplies a field for
-    each position. Between positions, the widths of Gaussians or the OTFs of files are interpolated
-    linearly in the square of the position; beyond the last position they stay constant. The PSF
-    rotates with the direction of the point from the middle.
+    gives the MTF or PSF of a point straight above the middle: `mtf_y` is the tangential curve, and
+    the top of a PSF's picture points away from the axis. A single Zemax listing in `path_1`
+    supplies a field for each position. Between positions, the widths of Gaussians or the OTFs of
+    files are interpolated linearly in the square of the position; beyond the last position they
+    stay constant. The PSF rotates with the direction of the point from the middle.
 
     The picture is blurred in overlapping tiles; within a tile, the PSFs of its four corners are
     blended. `error_percent` is an upper limit on the error of any sample, compared with a blur by
-    that sample's own PSF, in percent of the picture's range. In real scenes the error is about ten
+    that sample's own PSF, in per cent of the picture's range. In real scenes the error is about ten
     times smaller. Smaller tiles reduce the blending error. Around each tile, the blur uses a
     margin of half a tile, but at least 16 samples. If this margin would lose more than 0.5 % of a
     PSF's light, it is widened, up to 1024 samples. A tile is at least a quarter as wide as its
@@ -1299,14 +1304,14 @@ def field_psf(
         source of the PSFs: Gaussians, MTF files or PSF files: one of gaussian, mtf, psf; default
         'gaussian'
     positions : Sequence[float]
-        positions in rising order, as fractions of the half diagonal: a list of numbers from 0 to
+        positions in ascending order, as fractions of the half diagonal: a list of numbers from 0 to
         10; default [0.0, 0.5, 1.0]
     tangential_mrad : Sequence[float]
-        rms width along the radius, at each position [mrad]: a list of numbers from 0 to 1e+06;
-        default ()
+        tangential rms width (along the radius), at each position [mrad]: a list of numbers from 0
+        to 1e+06; default ()
     sagittal_mrad : Sequence[float]
-        rms width across the radius; empty: equal to tangential_mrad [mrad]: a list of numbers from
-        0 to 1e+06; default ()
+        sagittal rms width (across the radius); empty: equal to tangential_mrad [mrad]: a list of
+        numbers from 0 to 1e+06; default ()
     path_1 : str | PathLike[str] | None
         MTF or PSF file of one position; files follow the order of positions: a file name or empty;
         default empty
@@ -1351,14 +1356,14 @@ def veiling_glare(
     drops to 1 − g over a few cycles per ℓ: dark areas near bright ones become brighter, and fine
     detail loses a fraction g of its contrast. If g is not known otherwise, enter the veiling glare
     index of the lens, measured as in ISO 9358 in a small black area within an evenly bright field.
-    Light that leaves the frame is mirrored or repeated, as for all filters.
+    Light that leaves the frame is mirrored or repeated, as Init & Trans defines.
 
     `harvey` models the scatter of optical surfaces instead: BSDF = b·[1 + ((β − β₀)/l)²]^(s/2),
-    where β and β₀ are the sines of the angles of the scattered and the direct ray. The integral of
-    the BSDF over the hemisphere is the total scatter of a surface; this share is lost from the
-    direct light. Angles refer to the space in front of the lens, at the entrance pupil. For an ABg
-    fit enter b = A/B, l = B^(1/g) and s = −g: the two models agree near the direct ray and far from
-    it.
+    where β and β₀ are the sines of the angles of the scattered and the direct ray. The total
+    integrated scatter (TIS) of a surface, the integral of BSDF·cos θ over the hemisphere, is lost
+    from the direct light. Angles refer to the space in front of the lens, at the entrance pupil.
+    For an ABg fit enter b = A/B, l = B^(1/g) and s = −g: the two models agree near the direct ray
+    and far from it.
 
     Sources: ISO 9358:1994; Bracewell 2000, The Fourier Transform and Its Applications, table 13
     (Hankel transforms); Harvey and Shack 1978, Applied Optics 17, 3003; Stover 2012, Optical
@@ -1749,9 +1754,9 @@ def line_of_sight(
     """Move the line of sight at random; the motion blurs each exposure and shifts each frame.
 
     The line-of-sight angle has the power spectral density S = rms²·(2/π)/(corner·(1 +
-    (f/corner)²)), or the density in `psd_path`; the two axes are independent. Motion about the mean
-    position of an exposure gives an MTF, the mean over the exposure of exp(−2π²·v(t)·ξ²). The mean
-    position, with spectrum S·sinc²(fT), shifts each frame of a sequence by a phase ramp,
+    (f/corner)²)), or the density in `psd_path` if given; the two axes are independent. Motion about
+    the mean position of an exposure gives an MTF, the mean over the exposure of exp(−2π²·v(t)·ξ²).
+    The mean position, with spectrum S·sinc²(fT), shifts each frame of a sequence by a phase ramp,
     −2π·ξ·shift. A single picture is frame 0 and is also shifted. 3-D Noise includes the pixel
     changes from this motion in its measurement, but not in its prediction. Sources: Papoulis 1991,
     chapter 10; Kopeika 1998, chapter 14.
@@ -1768,11 +1773,12 @@ def line_of_sight(
     rms_y_mrad : float | Expression
         vertical rms motion [mrad]: a number from 0 to 1e+06; default 0.0
     corner_Hz : float | Expression
-        frequency at which the power density has fallen to half its low-frequency value [Hz]: a
-        number from 1e-06 to 1e+09; default 5.0
+        frequency at which the power spectral density has fallen to half its low-frequency value
+        [Hz]: a number from 1e-06 to 1e+09; default 5.0
     psd_path : str | PathLike[str] | None
-        CSV file of frequency (Hz) and one-sided power density (mrad²/Hz, horizontal and vertical);
-        empty: calculated from rms motion and corner frequency: a file name or empty; default empty
+        CSV file of frequency (Hz) and one-sided power spectral density (mrad²/Hz, horizontal and
+        vertical); empty: calculated from rms motion and corner frequency: a file name or empty;
+        default empty
     integration_time_s : float | Expression
         exposure time [s]: a number from 0 to 1e+06; default 0.01
     frame_rate_Hz : float | Expression
@@ -1852,12 +1858,12 @@ def charge_diffusion_mtf(
     diffusion_length_um, and f is the frequency on the detector. For back illumination, the detector
     is assumed to be thinned, with a passivated surface. Most carriers in a back-illuminated
     detector are generated near the back and cross the undepleted silicon (thickness_um minus
-    depletion_um). If absorption_per_um is empty, the MTF is averaged over the band of the cold
-    filter or the picture, for silicon at 295 K. The average assumes the same number of photons at
-    all wavelengths and weights each wavelength by the carriers generated. With front illumination,
-    red and near-infrared light is blurred most, because it is absorbed deep in the silicon. With
-    back illumination, blue light is blurred most. Sources: Seib 1974; Crowell and Labuda 1969;
-    Holst and Lomheim 2007, chapter 10; Schinke et al. 2015 (silicon).
+    depletion_um). If absorption_per_um is empty, the MTF is averaged from cut_on_um to cut_off_um
+    (empty: over the picture's band), for silicon at 295 K. The average assumes the same number of
+    photons at all wavelengths and weights each wavelength by the carriers generated. With front
+    illumination, red and near-infrared light is blurred most, because it is absorbed deep in the
+    silicon. With back illumination, blue light is blurred most. Sources: Seib 1974; Crowell and
+    Labuda 1969; Holst and Lomheim 2007, chapter 10; Schinke et al. 2015 (silicon).
 
     Parameters
     ----------
@@ -1945,7 +1951,8 @@ def charge_eff_mtf(
     detectors_per_line : int | Expression
         number of transfers: a whole number from 0 to 1e+09; default 640
     efficiency : float | Expression
-        fraction of the charge that each transfer passes on: a number from 0 to 1; default 0.99999
+        charge transfer efficiency: fraction of the charge that each transfer passes on: a number
+        from 0 to 1; default 0.99999
     model : Literal['exact', 'published', 'leading']
         exact: product over all transfers; published: eqs. 4.57-4.58 of Tantalo 1996; leading:
         leading term only: one of exact, published, leading; default 'exact'
@@ -1984,7 +1991,8 @@ def charge_eff_phase(
     detectors_per_line : int | Expression
         number of transfers: a whole number from 0 to 1e+09; default 640
     efficiency : float | Expression
-        fraction of the charge that each transfer passes on: a number from 0 to 1; default 0.99999
+        charge transfer efficiency: fraction of the charge that each transfer passes on: a number
+        from 0 to 1; default 0.99999
     model : Literal['exact', 'published', 'leading']
         exact: product over all transfers; published: eqs. 4.57-4.58 of Tantalo 1996; leading:
         leading term only: one of exact, published, leading; default 'exact'
@@ -2096,8 +2104,9 @@ def spectral_response(
     peak : float | Expression
         largest response: a number from 0 to 1; default 1.0
     source_K : float | Expression | None
-        temperature of the black body that weights a single band; empty: the scene's temperature, or
-        5800 K for sunlight [K]: a number from 0 to 1e+06 or empty; default empty
+        temperature of the black body that weights a single band; empty: 5800 K if the band begins
+        below 2.5 µm, else the brightness temperature of the picture's mean [K]: a number from 0 to
+        1e+06 or empty; default empty
 
     Notes
     -----
@@ -2120,12 +2129,12 @@ def microlens(
     The detector's data sheet gives the chief ray angle (CRA) for which the microlenses at the
     corner are designed. The lens's data sheet gives the CRA of the lens. If the CRAs of lens and
     microlenses are equal, the picture does not change. A difference lowers the response: to half at
-    `half_response_deg`, or according to a measured curve. The optical axis is at the middle of the
-    picture, and the corner angles apply at the picture's corners. Only the chief ray counts: the
-    response is not averaged over the cone of a fast lens. Put this module before Focal Plane, which
-    then computes the shot noise of the darkened picture. Signal and SNR use the mean response over
-    the field; transfer functions do not change. Source: Catrysse and Wandell 2002, J. Opt. Soc. Am.
-    A 19, 1610.
+    `half_response_deg` or, if `response` is file, according to a measured curve. The optical axis
+    is at the middle of the picture, and the corner angles apply at the picture's corners. Only the
+    chief ray counts: the response is not averaged over the cone of a fast lens. Put this module
+    before Focal Plane, which then computes the shot noise of the darkened picture. Signal and SNR
+    use the mean response over the field; transfer functions do not change. Source: Catrysse and
+    Wandell 2002, J. Opt. Soc. Am. A 19, 1610.
 
     Parameters
     ----------
@@ -2236,9 +2245,9 @@ def focal_plane(
     Binning sums binning_x × binning_y pixels; all figures then refer to a bin. `charge` sums the
     electrons and reads them once; register_well_e limits the sum. `digital` reads each pixel and
     sums the digital numbers: read noise grows with the square root of the number of pixels, and
-    `saturated` is the share of saturated pixels. If `units` is radiance, a bin is the mean of its
-    pixels. Binning n pixels multiplies the MTF by sin(πnξΔ)/(n·sin(πξΔ)), where Δ is the pixel
-    pitch. Leftover rows and columns are dropped.
+    `saturated` is the share of saturated pixels. If `units` is radiance, the value of a bin is the
+    mean of its pixels. Binning n pixels multiplies the MTF by sin(πnξΔ)/(n·sin(πξΔ)), where Δ is
+    the pixel pitch. Leftover rows and columns are dropped.
 
     Sources: Dereniak and Boreman 1996; Janesick 2007, Photon Transfer; EMVA 1288 (also doubling of
     the dark current); Tennant et al. 2008 (Rule 07); Levine 1993 (gain of QWIPs); Robbins and
@@ -2252,7 +2261,7 @@ def focal_plane(
     seed : int | Expression
         seed, used when seed_mode is typed: a whole number from 0 to 9.22337e+18; default 0
     integration_time_s : float | Expression
-        integration time of one TDI stage [s]: a number above 0 to 10000; default 0.001
+        integration time (with TDI: of each stage) [s]: a number above 0 to 10000; default 0.001
     tdi_stages : int | Expression
         number of TDI stages (time delay and integration): a whole number from 1 to 10000; default 1
     frames_averaged : int | Expression
@@ -2409,16 +2418,16 @@ def microbolometer(
 ) -> Part:
     """Add an uncooled detector's thermal lag, and its noise from the data sheet.
 
-    The noise, as scene radiance, is NETD·dL/dT(reference_K)·τ₀Ω₀/(τΩ)·√(t₀/t). F₀, τ₀, the
-    background and t₀ come from the data sheet; √(t₀/t) applies if both integration times are given.
-    For the NETD of a bare detector, set τ₀ = 1. A camera's NETD already includes the lens, so enter
-    the lens's F-number and transmission as reference values too. The solid angle Ω is defined in
-    Focal Plane. A bolometer's noise does not depend on the scene, so the NETD at another background
-    scales as 1/(dL/dT). After one frame, the fraction exp(−1/(rate·time constant)) of a change
-    remains, so a changing scene leaves traces in later frames. With a scan velocity on Init &
-    Trans, the lag is a low-pass filter along the lines, 1/(1 + 2πi·τ·v·ξ). At `corner_Hz`, 1/f
-    noise equals the white noise. Non-uniform gain and offset are the same in every frame;
-    Non-Uniformity Correction removes them.
+    The noise, as scene radiance, is NETD·dL/dT(reference_K)·τ₀Ω₀/(τΩ)·√(t₀/t). Ω₀ (at the F-number
+    F₀), τ₀, reference_K and t₀ come from the data sheet; √(t₀/t) applies if both integration times
+    are given. For the NETD of a bare detector, set τ₀ = 1. A camera's NETD already includes the
+    lens, so enter the lens's F-number and transmission as reference values too. The solid angle Ω
+    is defined in Focal Plane. A bolometer's noise does not depend on the scene, so the NETD at
+    another background scales as 1/(dL/dT). After one frame, the fraction exp(−1/(rate·time
+    constant)) of a change remains, so a changing scene leaves traces in later frames. With a scan
+    velocity on Init & Trans, the lag is a low-pass filter along the lines, 1/(1 + 2πi·τ·v·ξ). At
+    `corner_Hz`, 1/f noise equals the white noise. Non-uniform gain and offset are the same in every
+    frame; Non-Uniformity Correction removes them.
 
     The temporal filter averages recursively: y = a·y₋₁ + (1 − a)·x, where a = (n − 1)/(n + 1) and n
     is filter_frames. The filter lowers white noise by a factor of √n and 1/f noise by less, and
@@ -2744,20 +2753,20 @@ def charge_trails(
 ) -> Part:
     """Add the trails of incomplete charge transfer, which grow with distance from the amplifier.
 
-    In each transfer, a share of the charge stays behind and joins the next packet. Columns are
-    shifted to the amplifier's row, which is then read pixel by pixel. A pixel n transfers from the
-    amplifier loses about n·(1 − efficiency) of its charge to its trail. Charge that trails out of
-    the picture is lost. Use either this module or Charge Transfer MTF, which blurs all pixels
-    equally. Put this module after Sample Pixels or Combine Pixels. Predicted MTFs hold for the
-    middle pixel. Source: Janesick 2001, Scientific Charge-Coupled Devices, chapter 5.
+    In each transfer, a share of the charge stays behind and joins the next packet. Charge is
+    shifted along the columns into the serial register, which is then read pixel by pixel. A pixel
+    n transfers from the amplifier loses about n·(1 − efficiency) of its charge to its trail. Charge
+    that trails out of the picture is lost. Use either this module or Charge Transfer MTF, which
+    blurs all pixels equally. Put this module after Sample Pixels or Combine Pixels. Predicted MTFs
+    hold for the middle pixel. Source: Janesick 2001, Scientific Charge-Coupled Devices, chapter 5.
 
     Parameters
     ----------
     serial_efficiency : float | Expression
-        fraction of the charge that each transfer along a row passes on: a number from 0.5 to 1;
-        default 1.0
+        serial charge transfer efficiency, per transfer along a row: a number from 0.5 to 1; default
+        1.0
     parallel_efficiency : float | Expression
-        fraction of the charge that each transfer along a column passes on: a number from 0.5 to 1;
+        parallel charge transfer efficiency, per transfer along a column: a number from 0.5 to 1;
         default 1.0
     amplifier : Literal['bottom_left', 'bottom_right', 'top_left', 'top_right']
         corner where the amplifier is: one of bottom_left, bottom_right, top_left, top_right;
@@ -2952,12 +2961,12 @@ def electronics_noise(
     post_filter : Literal['none', 'lowpass', 'highpass', 'boost']
         filter after the amplifier: one of none, lowpass, highpass, boost; default 'none'
     post_corner_Hz : float | Expression | None
-        corner frequency, or boost frequency, of the post filter [Hz]: a number of at least 0 or
-        empty; default empty
+        corner frequency of the low-pass or high-pass filter, or frequency at which the boost
+        reaches post_gain [Hz]: a number of at least 0 or empty; default empty
     post_poles : int | Expression
         number of poles of the post filter: a whole number from 1 to 100; default 1
     post_gain : float | Expression
-        gain of the boost: a number from 1 to 1e+06; default 2.0
+        gain of the boost at post_corner_Hz and above: a number from 1 to 1e+06; default 2.0
     bits : Literal[0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24, 32, 64]
         bits per pixel; 0: no quantization [bit]: one of 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12,
         13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24, 32, 64; default 0
@@ -3204,8 +3213,8 @@ def measured_mtf(
         rows in the region; empty: to the picture's bottom edge [px]: a whole number of at least 0
         or empty; default empty
     window : Literal['tukey', 'hamming', 'none']
-        window on the line spread; tukey: flat over its middle half: one of tukey, hamming, none;
-        default 'tukey'
+        window on the line spread function; tukey: flat over its middle half: one of tukey, hamming,
+        none; default 'tukey'
     samples : int | Expression
         number of points on the curve: a whole number from 2 to 4096; default 129
     clip_left_px : int | Expression | None
@@ -3263,11 +3272,11 @@ def figures_of_merit(
 
     MRTD (four bars, 7:1): (π²/8)·SNR_th·σ/H, with the noise σ that remains after the eye has
     averaged over a bar and over time. `ratches_1976` uses temporal noise only and has no sampling
-    limit. `flir92` also uses fixed patterns, which do not average out over time. In the directions
-    in which the sensor samples, the `flir92` MRTD ends at the Nyquist frequency. The average over a
-    bar takes the spectrum of the temporal noise into account. The frequency of the 2-D MRTD is the
-    geometric mean of the horizontal and vertical frequencies with the same MRTD. MDTD (square
-    target): SNR_th·σ divided by the mean of the target's blurred image.
+    limit. `flir92` also uses fixed-pattern noise, which does not average out over time. In the
+    directions in which the sensor samples, the `flir92` MRTD ends at the Nyquist frequency. The
+    average over a bar takes the spectrum of the temporal noise into account. The frequency of the
+    2-D MRTD is the geometric mean of the horizontal and vertical frequencies with the same MRTD.
+    MDTD (square target): SNR_th·σ divided by the mean of the target's blurred image.
 
     `scanning` sets the directions in which the sensor samples. `staring` samples in both
     directions. `serial_scan` samples only from line to line, because one detector scans along x.
@@ -3335,22 +3344,23 @@ def figures_of_merit(
         MDTD: largest angle in the scene over which the eye averages; empty: no limit [mrad]: a
         number of at least 0 or empty; default empty
     target_size_m : float | Expression
-        size of the target: the square root of its area [m]: a number above 0 to 1e+06; default 2.3
+        characteristic dimension of the target: the square root of its area [m]: a number above 0 to
+        1e+06; default 2.3
     target_delta_K : float | Expression
         temperature difference between target and background [K]: a number from -10000 to 10000;
         default 2.0
     extinction_per_km : float | Expression
-        extinction of the air in the band, used if there is no Atmospheric Path [1/km]: a number
-        from 0 to 1e+06; default 0.2
+        extinction coefficient of the air in the band, used if there is no Atmospheric Path [1/km]:
+        a number from 0 to 1e+06; default 0.2
     n50_detection : float | Expression
-        cycles across the target for 50 % detection; use 1 with the MRTD in one direction: a number
-        above 0 to 1000; default 0.75
+        cycles across the target for 50 % detection with the 2-D MRTD (1 with the 1-D MRTD): a
+        number above 0 to 1000; default 0.75
     n50_recognition : float | Expression
-        cycles across the target for 50 % recognition; use 4 with the MRTD in one direction: a
+        cycles across the target for 50 % recognition with the 2-D MRTD (4 with the 1-D MRTD): a
         number above 0 to 1000; default 3.0
     n50_identification : float | Expression
-        cycles across the target for 50 % identification; use 6.4 with the MRTD in one direction: a
-        number above 0 to 1000; default 6.0
+        cycles across the target for 50 % identification with the 2-D MRTD (6.4 with the 1-D MRTD):
+        a number above 0 to 1000; default 6.0
     ttp_threshold : Literal['mrtd', 'system_contrast_threshold']
         TTP: contrast threshold from the eye and the MRTD, or the published threshold from MTF and
         noise: one of mrtd, system_contrast_threshold; default 'mrtd'
@@ -3390,12 +3400,12 @@ def noise_budget(
 
     Everything is computed from the picture's chain; no noise is drawn. The noise of each source is
     propagated to the picture through all later filters, pixel combining and interpolation.
-    Variances of independent noises add, so each source has a share of the sum. `fixed` means the
-    patterns that stay the same from frame to frame, averaged over all sensors of the same design.
-    Rounding counts as noise. Moduli of MTFs multiply, so −ln |MTF| adds; at one frequency the share
-    of a Gaussian blur is proportional to its variance. A stage that amplifies has a negative share:
-    it recovers part of the loss. A stage with an MTF of zero is assigned all of the blur. Phases do
-    not count as blur.
+    Variances of independent noises add, so each source has a share of the sum. `fixed` means
+    fixed-pattern noise, the same in every frame, averaged over all sensors of the same design.
+    Quantization noise is included. Moduli of MTFs multiply, so −ln |MTF| adds; at one frequency the
+    share of a Gaussian blur is proportional to its variance. A stage that amplifies has a negative
+    share: it recovers part of the loss. A stage with an MTF of zero is assigned all of the blur.
+    Phases do not count as blur.
 
     Parameters
     ----------
@@ -3403,11 +3413,11 @@ def noise_budget(
         frequency at which the blur is budgeted, as a fraction of the picture's Nyquist frequency
         [Nyquist]: a number above 0 to 1; default 0.5
     noise : Literal['all', 'temporal', 'fixed']
-        noise in the budget: all noise, temporal noise (changes from frame to frame), or fixed
-        patterns: one of all, temporal, fixed; default 'all'
+        noise in the budget: all noise, temporal noise (changes from frame to frame), or fixed-
+        pattern noise: one of all, temporal, fixed; default 'all'
     show : Literal['share', 'amount']
-        length of the bars: share in percent, or amount (standard deviation of the noise, −ln of the
-        MTF for the blur): one of share, amount; default 'share'
+        length of the bars: share in per cent, or amount (standard deviation of the noise, −ln of
+        the MTF for the blur): one of share, amount; default 'share'
 
     Notes
     -----
@@ -3431,12 +3441,12 @@ def noise_3d(
     prediction is an average over all sensors of the same design; the measurement contains one
     sensor's pattern. With few rows or columns, the measured fixed components therefore scatter
     about the prediction. Noise correlated between neighbouring samples also appears in σ tv and σ
-    th. Rounding counts as noise. With `path`, the frames of a file, for example from a camera, are
-    measured instead of simulated frames; they are read one at a time. In a file, everything that
-    stays the same from frame to frame, including the scene, counts as fixed pattern. Use frames of
-    a uniform scene. If a picture is also connected, its predicted noise is shown beside the
-    measurement. Sources: D'Agostino and Webb 1991; Scott and D'Agostino 1992 (FLIR92); Searle,
-    Casella and McCulloch 1992, Variance Components (unbiased estimates).
+    th. Quantization noise is included. With `path`, the frames of a file, for example from a
+    camera, are measured instead of simulated frames; they are read one at a time. In a file,
+    everything that stays the same from frame to frame, including the scene, counts as fixed
+    pattern. Use frames of a uniform scene. If a picture is also connected, its predicted noise is
+    shown beside the measurement. Sources: D'Agostino and Webb 1991; Scott and D'Agostino 1992
+    (FLIR92); Searle, Casella and McCulloch 1992, Variance Components (unbiased estimates).
 
     Parameters
     ----------
@@ -3560,28 +3570,28 @@ def line_by_line(
 
     When is one interval for the whole image good enough? The error of a single interval grows as 1
     − cos(view angle). The network `line_by_line` blurs the built-in scene by three samples, as the
-    Inframetrics scanner does. Its largest error is 0.03 % of the picture's range for a field of
-    10°, 0.5 % for 30°, 1.1 % for 45°, 2 % for 60°, 5 % for 90° and 10 % for 120°. The rms errors
-    for fields of 10°, 30°, 45°, 60°, 90° and 120° are 0.002, 0.02, 0.05, 0.1, 0.25 and 0.5 %. In
-    the 30° field of Tantalo 1996, six-bit quantization hides the error. Filtering line by line
-    takes 1.3 to 4 times as long as filtering the whole image (`imagechain bench`, table scanning);
-    `direct` takes 60 times as long or more. Source: Tantalo 1996, section 2 and fig. 2.3; the
-    thesis leaves the comparison to later work.
+    Inframetrics scanner does. There the largest error is 0.03 % of the picture's range for a field
+    of view of 10°, 0.5 % for 30°, 1.1 % for 45°, 2 % for 60°, 5 % for 90° and 10 % for 120°. The
+    rms errors for fields of view of 10°, 30°, 45°, 60°, 90° and 120° are 0.002, 0.02, 0.05, 0.1,
+    0.25 and 0.5 %. In the 30° field of view of Tantalo 1996, six-bit quantization hides the error.
+    Filtering line by line takes 1.3 to 4 times as long as filtering the whole image (`imagechain
+    bench`, table scanning); `direct` takes 60 times as long or more. Source: Tantalo 1996, section
+    2 and fig. 2.3; the thesis leaves the comparison to later work.
 
     Parameters
     ----------
     scan : Literal['x', 'y']
         axis of the frame along which a line is scanned: one of x, y; default 'x'
     look_angle_deg : float | Expression
-        view angle from nadir at the middle of the frame [deg]: a number above -90 below 90; default
+        look angle from nadir at the middle of the frame [deg]: a number above -90 below 90; default
         0.0
     nadir_column : float | Expression | None
         index of the scan line's sample at nadir, counted from 0; empty: from look_angle_deg [px]: a
         number from -65536 to 131072 or empty; default empty
     spacing : Literal['frame', 'flight', 'typed']
-        line spacing at nadir; frame: the frame's interval; flight: from velocity and scan rate on
-        Init & Trans, one line per turn; typed: line_spacing_m: one of frame, flight, typed; default
-        'frame'
+        line spacing at nadir; frame: the frame's interval; flight: from velocity and scan velocity
+        on Init & Trans, one line per 360° of scan; typed: line_spacing_m: one of frame, flight,
+        typed; default 'frame'
     line_spacing_m : float | Expression | None
         distance between scan lines on the ground [m]: a number of at least 0 or empty; default
         empty
@@ -3639,7 +3649,7 @@ def camera_geometry(
     sample at equal steps in the focal plane. The flight direction is down the picture, and scan
     lines are equally spaced on the ground. Each sample is the mean of the scene over its whole
     footprint, which limits aliasing and keeps a uniform scene uniform. Blur is applied afterwards:
-    choose samples smaller than the pixels, and combine pixels after the detector's MTF.
+    choose samples smaller than the pixels, apply Detector MTF, and then use Sample Pixels.
 
     Footprints aligned with the scene's rows and columns (no yaw) are exact. With roll or pitch
     alone, a framing camera's footprints are exact to 10⁻⁴ of the scene's peak-to-peak signal. Other
@@ -3734,18 +3744,19 @@ def image_quality(
     the GSD on the ground: GSD/√sin e, where e is the elevation of the line of sight seen from the
     target. GIQE 5 uses the geometric mean of the GSDs of GIQE 3 and 4, GSD/(sin e)^¼. The relative
     edge response (RER) is the rise of the edge response from half a sample before the edge to half
-    a sample after it. The overshoot H is the height of the edge response 1 to 3 samples beyond the
-    edge. RER and H follow from the chain's transfer functions; the SNR follows from the chain's
-    signal and temporal noise. No noise is drawn or measured. GSD, RER and H are geometric means
-    of the horizontal and vertical values; in GIQE 5 the worse RER counts twice. Connect the picture
-    as the sensor samples it, before a frame grabber interpolates it.
+    a sample after it. The overshoot H is the maximum of the edge response 1 to 3 samples beyond the
+    edge; if the response only rises there, H is its value at 1.25 samples. RER and H follow from
+    the chain's transfer functions; the SNR follows from the chain's signal and temporal noise. No
+    noise is drawn or measured. GSD, RER and H are geometric means of the horizontal and vertical
+    values; in GIQE 5 the worse RER counts twice. Connect the picture as the sensor samples it,
+    before a frame grabber interpolates it.
 
     With `snr_of` = `contrast`, the SNR is the difference in signal between surfaces of 15 % and 7 %
     reflectance, divided by the noise. If the scene is in reflectance and Reflected Light converts
     it to radiance, the difference follows from the illumination and the atmosphere set in that
     module. If the scene is not in reflectance, the mean radiance is assumed to come from a surface
-    of 15 % reflectance: the SNR is 8/15 of the mean signal divided by the noise, and a warning is
-    shown. With `mean`, the SNR is the mean signal divided by the noise.
+    of 15 % reflectance, and a warning is shown. The SNR is then 8/15 of the mean signal divided by
+    the noise. With `mean`, the SNR is the mean signal divided by the noise.
 
     GIQE 3: 11.81 + 3.32·lg(RER/GSD) − 1.48·H − G/SNR. GIQE 4: 10.251 − a·lg GSD + b·lg RER −
     0.656·H − 0.344·G/SNR (a = 3.32, b = 1.559; below an RER of 0.9, a = 3.16, b = 2.817). GIQE 5:
@@ -3761,8 +3772,8 @@ def image_quality(
     Parameters
     ----------
     range_m : float | Expression | None
-        range to the ground along the line of sight; empty: from Init & Trans [m]: a number of at
-        least 0 or empty; default empty
+        slant range to the ground; empty: from Init & Trans [m]: a number of at least 0 or empty;
+        default empty
     gsd_m : float | Expression | None
         ground sample distance normal to the line of sight, if you know it; empty: sampling interval
         × range [m]: a number of at least 0 or empty; default empty

@@ -5,45 +5,22 @@ from pathlib import Path
 import pytest
 
 from command_line import run_here, run_process
+from linked_network import document_of
 
-SMALL = {
-    "format": "imagechain-network",
-    "version": 1,
-    "name": "Small",
-    "seed": 3,
-    "nodes": {
-        "scene": {
-            "module": "test_scene",
-            "params": {
-                "kind": "slanted_edge",
-                "width": 48,
-                "height": 40,
-                "fov_x_deg": 3.0,
-                "fov_y_deg": 2.5,
-            },
-        },
-        "init": {"module": "init_trans", "params": {"focal_length_mm": 100.0}},
-        "blur": {"module": "gaussian_mtf", "params": {"sigma_x_mrad": 0.5, "sigma_y_mrad": 0.3}},
-        "jitter": {"module": "jitter_mtf", "params": {"sigma_mrad": 0.2}},
-        "back": {"module": "back_transform"},
-        "pixels": {"module": "combine_pixels", "params": {"factor_x": 2, "factor_y": 2}},
-    },
-    "links": [
-        ["scene.image", "init.image"],
-        ["init.context", "blur.context"],
-        ["init.magnitude", "blur.magnitude"],
-        ["init.context", "jitter.context"],
-        ["blur.magnitude", "jitter.magnitude"],
-        ["jitter.magnitude", "back.magnitude"],
-        ["init.phase", "back.phase"],
-        ["back.image", "pixels.image"],
-    ],
+EDGE = {"kind": "slanted_edge", "width": 48, "height": 40, "fov_x_deg": 3.0, "fov_y_deg": 2.5}
+NODES = {
+    "scene": ("test_scene", EDGE),
+    "init": ("init_trans", {"focal_length_mm": 100.0}),
+    "blur": ("gaussian_mtf", {"sigma_x_mrad": 0.5, "sigma_y_mrad": 0.3}),
+    "jitter": ("jitter_mtf", {"sigma_mrad": 0.2}),
+    "back": ("back_transform", {}),
+    "pixels": ("combine_pixels", {"factor_x": 2, "factor_y": 2}),
 }
 
 
 @pytest.fixture
 def small() -> dict:
-    return json.loads(json.dumps(SMALL))
+    return document_of(NODES, name="Small", seed=3)
 
 
 @pytest.fixture

@@ -24,38 +24,15 @@ def test_the_command_measures_the_parts_that_are_named():
     assert "Frames of a camera" in done.stdout
 
 
-def grown(*ratios, spread=0.01, first=512):
-    return [
-        {"size": first * 2**step, "t0": t0, "low": t0 - spread, "high": t0 + spread, "pairs": 9}
-        for step, t0 in enumerate(ratios)
-    ]
-
-
-def test_growth_that_falls_in_every_step_is_met():
-    rows = grown(3.0, 2.5, 2.4, 2.2, 2.1)
-    assert judge_steps(rows) == (
-        "Met, target too: every step falls. From 512² to 8192², all that was measured: 0.70 ×."
-    )
-    assert [row.get("step_verdict") for row in rows] == [None, *["met: falls"] * 4]
-
-
 def test_growth_that_rises_in_one_step_is_missed_though_the_ends_fall():
-    rows = grown(3.0, 2.0, 2.2, 1.8, 1.5)
+    rows = [
+        {"size": 512 * 2**step, "t0": t0, "low": t0 - 0.01, "high": t0 + 0.01, "pairs": 9}
+        for step, t0 in enumerate((3.0, 2.0, 2.2, 1.8, 1.5))
+    ]
     told = judge_steps(rows)
     assert told.startswith("Missed: rises 1024² → 2048² by 10% ± ")
-    assert "not increasing" not in told
     assert rows[2]["step_verdict"] == "missed: rises by 10%"
     assert rows[2]["step"] == pytest.approx(1.1)
-
-
-def test_growth_that_the_spread_can_explain_is_undecided():
-    """A rise of 2 %; quartiles 0.2 apart give each median an error of 0.06, 3 % of it."""
-    rows = grown(2.0, 2.04, spread=0.1)
-    assert judge_steps(rows).startswith("Undecided: rises 512² → 1024² by 2% ± 9%")
-    assert rows[1]["step_verdict"] == "rises, within ±"
-    assert rows[1]["margin"] == pytest.approx(
-        2 * 1.253 * 0.2 / 1.349 / 3 / 2 * np.sqrt(2), rel=0.02
-    )
 
 
 def test_scenes_of_a_plan():

@@ -103,35 +103,77 @@ class Look(Module, key="look", title="Examine", group="Output", sink=True):
 
 MODULES: tuple[type[Module], ...] = (Scene, Init, Jitter, Noise, Back, Look)
 
-DOCUMENT: dict[str, Any] = {
-    "format": "imagechain-network",
-    "version": 1,
-    "name": "Kodak KIR-310",
-    "description": "µ-bolometer, 30°",
-    "seed": 1996,
-    "nodes": {
-        "scene": {
-            "module": "scene_maker",
-            "params": {"kind": "point", "spots": [0, 1.5], "width": 1024},
-        },
-        "init": {"module": "init", "params": {"focal_length_mm": 200}, "pinned": True},
-        "jitter": {"module": "jitter_mtf", "params": {"sigma_mrad": 0.5}, "auto": False},
-        "back": {"module": "back"},
-        "add noise": {"module": "noise", "disabled": True},
-        "look": {"module": "look", "params": {"level": 1}},
+FORMATTED = """{
+  "format": "imagechain-network",
+  "version": 1,
+  "name": "Kodak KIR-310",
+  "description": "µ-bolometer, 30°",
+  "seed": 1996,
+  "nodes": {
+    "scene": {
+      "module": "scene_maker",
+      "params": {
+        "kind": "point",
+        "spots": [0.0, 1.5],
+        "width": 1024
+      }
     },
-    "links": [
-        ["scene.image", "init.image"],
-        ["init.context", "jitter.context"],
-        ["init.magnitude", "jitter.magnitude"],
-        ["jitter.magnitude", "back.magnitude"],
-        ["init.phase", "back.phase"],
-        ["back.image", "add noise.image"],
-        ["add noise.image", "look.picture"],
-    ],
-    "layout": {"scene": [0, 0], "init": [220, -12.5]},
-    "backdrops": [{"title": "Optics", "nodes": ["init", "jitter"]}],
+    "init": {
+      "module": "init",
+      "params": {
+        "focal_length_mm": 200.0
+      },
+      "pinned": true
+    },
+    "jitter": {
+      "module": "jitter_mtf",
+      "params": {
+        "sigma_mrad": 0.5
+      },
+      "auto": false
+    },
+    "back": {
+      "module": "back"
+    },
+    "add noise": {
+      "module": "noise",
+      "disabled": true
+    },
+    "look": {
+      "module": "look",
+      "params": {
+        "level": 1.0
+      }
+    }
+  },
+  "links": [
+    ["scene.image", "init.image"],
+    ["init.context", "jitter.context"],
+    ["init.magnitude", "jitter.magnitude"],
+    ["init.phase", "back.phase"],
+    ["jitter.magnitude", "back.magnitude"],
+    ["back.image", "add noise.image"],
+    ["add noise.image", "look.picture"]
+  ],
+  "layout": {
+    "scene": [0, 0],
+    "init": [220, -12.5]
+  },
+  "backdrops": [
+    {
+      "title": "Optics",
+      "nodes": ["init", "jitter"]
+    }
+  ]
 }
+"""
+
+DOCUMENT: dict[str, Any] = json.loads(FORMATTED)
+# Otherwise than the file has it: whole numbers, and another order of the links.
+DOCUMENT["nodes"]["scene"]["params"]["spots"] = [0, 1.5]
+DOCUMENT["nodes"]["init"]["params"]["focal_length_mm"] = 200
+DOCUMENT["nodes"]["look"]["params"]["level"] = 1
+DOCUMENT["links"].insert(3, DOCUMENT["links"].pop(4))
 
 
 @pytest.fixture
@@ -142,6 +184,11 @@ def bench() -> Bench:
 @pytest.fixture(scope="session")
 def small_library() -> dict[str, type[Module]]:
     return {module.key: module for module in MODULES}
+
+
+@pytest.fixture
+def formatted() -> str:
+    return FORMATTED
 
 
 @pytest.fixture

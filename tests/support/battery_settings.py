@@ -281,3 +281,8 @@ NOT_PASSIVE = [
     {**SCAN, "post_filter": "highpass", **POST},
     {**SCAN, "post_filter": "boost", "post_gain": 9, **POST},
 ]
+# Where the declared range is that of a large machine, not of a test.
+AFFORDABLE = {
+    "width": (1, 40), "height": (1, 40), "wavelengths": (1, 6), "size_x": (2, 48),
+    "size_y": (2, 48), "factor": (1, 60), "factor_x": (1, 6), "factor_y": (1, 6), "vanes": (0, 9),
+}  # fmt: skip

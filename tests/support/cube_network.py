@@ -1,9 +1,8 @@
 """A network that reads a cube of all bands, filters it and counts its electrons."""
 
-import json
-
-from core.network.file import parse_network
+from core.network.file import format_network
 from cube_files import centres, materials_cube, write_cube
+from linked_network import in_order, linked_network
 
 BANDS = 12
 SIZE = (24, 40)
@@ -22,44 +21,16 @@ def write_cube_network(
     cube, wavelengths, width = cube_samples()
     write_cube(folder, cube, wavelengths, width, kind=kind, unit=unit)
     well = {"full_well_e": 7e6, "integration_time_s": 0.004, "bits": 14}
+    sensor = {"focal_length_mm": 100.0, "f_number": 100.0 / aperture_mm}
+    sensor |= {"detector_x_um": 15, "detector_y_um": 15}
+    read = {"path": "cube.img", "bands": "all", "fov_x_deg": 0.08, "fov_y_deg": 0.048}
     nodes = {
-        "read": (
-            "read_image",
-            {"path": "cube.img", "bands": "all", "fov_x_deg": 0.08, "fov_y_deg": 0.048},
-        ),
-        "init": (
-            "init_trans",
-            {
-                "focal_length_mm": 100.0,
-                "f_number": 100.0 / aperture_mm,
-                "detector_x_um": 15,
-                "detector_y_um": 15,
-            },
-        ),
+        "read": ("read_image", read),
+        "init": ("init_trans", sensor),
         "optics": ("diffraction_mtf", {"aperture_mm": aperture_mm}),
         "back": ("back_transform", {}),
         "fpa": ("focal_plane", {**well, **(focal_plane or {})}),
     }
-    links = [
-        ("read.image", "init.image"),
-        ("init.context", "optics.context"),
-        ("init.magnitude", "optics.magnitude"),
-        ("init.phase", "optics.phase"),
-        ("optics.magnitude", "back.magnitude"),
-        ("optics.phase", "back.phase"),
-        ("back.image", "fpa.image"),
-        ("init.context", "fpa.context"),
-    ]
-    document = {
-        "format": "imagechain-network",
-        "version": 1,
-        "name": "Cube",
-        "nodes": {
-            name: {"module": module, "params": params} for name, (module, params) in nodes.items()
-        },
-        "links": [list(link) for link in links],
-    }
-    text = json.dumps(document)
-    (folder / "cube.json").write_text(text)
-    parse_network(text, library=library)
+    network = linked_network(nodes, in_order(nodes, library))
+    (folder / "cube.json").write_text(format_network(network, library=library))
     return cube, wavelengths, width

@@ -2,11 +2,13 @@
 
 import math
 from dataclasses import dataclass
+from pathlib import Path
 from random import Random
 from typing import Any
 
 import numpy as np
 
+from core.network.network import Link, Network, Node
 from drawn_modules import Item, Modules, Params, Sampling, short
 
 ON_SPECTRUM = (
@@ -26,6 +28,7 @@ SMALL = [
     (8, 6), (6, 11), (9, 9), (12, 10), (13, 7), (11, 13), (16, 13), (15, 16),
 ]  # fmt: skip
 LARGE = [(130, 262), (257, 131), (1, 1201), (1200, 3), (300, 310), (512, 520)]
+Names = dict[Any, list[str]]
 KINDS = ("scene", "scene", "constant", "wide", "signed", "point")
 
 
@@ -44,19 +47,25 @@ def frame(kind: str, rows: int, columns: int, seed: int) -> np.ndarray:
     return drawn.astype(np.float32).astype(float)
 
 
-def frames(sizes: list[tuple[int, int]]) -> dict[str, np.ndarray]:
-    """Frames by the names of their files, and pupils."""
+def frames(folder: Path, sizes: list[tuple[int, int]]) -> tuple[dict[str, np.ndarray], Names]:
+    """Frames and pupils by the names of their files in `folder`, and these names by size."""
     found = {
         f"{kind}{number}_{rows}x{columns}.npy": frame(kind, rows, columns, number)
         for rows, columns in sizes
         for number, kind in enumerate(KINDS)
     }
+    names: Names = {
+        size: [n for n in found if n.endswith("_{}x{}.npy".format(*size))] for size in sizes
+    }
     random = np.random.default_rng(8)
-    for number in range(2):
+    names["pupil", 0] = ["pupil0.npy", "pupil1.npy"]
+    for name in names["pupil", 0]:
         pupil = np.hypot(*np.mgrid[-4:4:8j, -4.5:4.5:9j]) <= 4
         # A transmission of its own for each sample, one of them 1.
-        found[f"pupil{number}.npy"] = pupil * random.integers(1, 65, pupil.shape) / 64
-    return found
+        found[name] = pupil * random.integers(1, 65, pupil.shape) / 64
+    for name, samples in found.items():
+        np.save(folder / name, samples)
+    return found, names
 
 
 @dataclass(frozen=True)
@@ -75,18 +84,23 @@ class Drawn:
     def document(self) -> dict[str, Any]:
         return _Chain(self).built()
 
+    def network(self) -> Network:
+        return network_of(self.document())
 
-def drawn(
-    random: Random,
-    names: dict[tuple[int, int], list[str]],
-    most: int = 7,
-    modules: Modules | None = None,
-    of_picture: tuple[str, ...] = (),
-) -> Drawn:
-    """A network of up to `most` modules; those of the picture out of `of_picture`, if given."""
+
+def network_of(document: dict[str, Any]) -> Network:
+    nodes = {
+        name: Node(name, node["module"], node["params"], disabled="disabled" in node)
+        for name, node in document["nodes"].items()
+    }
+    return Network(nodes=nodes, links=tuple(Link.between(*link) for link in document["links"]))
+
+
+def drawn(random: Random, names: Names, most: int = 7) -> Drawn:
+    """A network of up to `most` modules."""
     size = random.choice([size for size in names if size[0] != "pupil"])
     rows, columns = size
-    modules = modules or Modules(random, names)
+    modules = Modules(random, names)
     x = short(modules.log(-1.3, 0.7) * min(1, 100 / columns))
     y = short(x * random.choice((1, 1, modules.log(-0.3, 0.3))) * min(1, 100 / rows))
     read: Params = {
@@ -97,7 +111,7 @@ def drawn(
         read["scale"] = modules.signed(-3, 3)
     at = Sampling(rows, columns, x, y)
     items: list[Item] = []
-    of_picture = of_picture or (OF_TODAY if random.random() < 0.3 else OF_1996)
+    of_picture = OF_TODAY if random.random() < 0.3 else OF_1996
     for _ in range(random.randint(0, most)):
         key = random.choice(ON_SPECTRUM if random.random() < 0.7 else of_picture)
         counting = [item for item in items if item.key == "focal_plane" and not item.disabled]

@@ -5,7 +5,8 @@ import numpy as np
 from core.chain.engine import Engine
 from core.evaluation.work import BlockRun, Work
 from core.machine import ScratchDisk, is_on_disk
-from node_bench import NodeBench
+from cube_files import centres, write_cube
+from node_bench import NodeBench, fov_of
 from nodes.library import standard_library
 
 LIBRARY = standard_library()
@@ -13,10 +14,8 @@ LIBRARY = standard_library()
 
 def field_bench(folder, picture, key, params, *, step_mrad=1.0, camera=None, precision="double"):
     """The module as `it` behind a picture of samples `step_mrad` apart."""
-    rows, columns = picture.shape
     np.save(folder / "picture.npy", picture)
-    fov = {f"fov_{axis}_deg": np.degrees(step_mrad * n / 1000) for axis, n in
-           (("x", columns), ("y", rows))}  # fmt: skip
+    fov = fov_of(picture.shape, step_mrad)
     nodes = {"read": ("read_image", {"path": "picture.npy", **fov}), "it": (key, params)}
     links = [("read.image", "it.image")]
     if camera is not None:
@@ -27,6 +26,16 @@ def field_bench(folder, picture, key, params, *, step_mrad=1.0, camera=None, pre
     if error is not None:
         raise error
     return bench
+
+
+def cube_bench(folder, key, params):
+    """The module as `it` behind a cube of three bands; with the bands' width."""
+    waves, width = centres(3, low=3.0, high=5.0)
+    cube = np.random.default_rng(1).random((3, 30, 43)) + 1.0
+    write_cube(folder, cube, waves, width, kind="f8", unit="W/m^2/sr/um")
+    read = {"path": "cube.img", "bands": "all", "fov_x_deg": 40, "fov_y_deg": 30}
+    nodes = {"read": ("read_image", read), "it": (key, params)}
+    return NodeBench(LIBRARY, folder, nodes, [("read.image", "it.image")]), width
 
 
 def angles(shape, step_mrad):

@@ -5,6 +5,7 @@ from typing import Any
 
 from core.modules.declaration import Module, declaration
 from core.network.network import Link, Network, Node
+from nodes.library import standard_library
 
 Nodes = Mapping[str, tuple[str, Mapping[str, Any]]]
 
@@ -32,3 +33,14 @@ def in_order(nodes: Nodes, library: Mapping[str, type[Module]]) -> list[tuple[st
                 links.append((last[taken], f"{name}.{port.name}"))
         last |= {port.name: f"{name}.{port.name}" for port in declared.outputs}
     return links
+
+
+def document_of(nodes: Nodes, **fields: Any) -> dict[str, Any]:
+    """The plain data of such a network's file, linked in order; `fields` are its other ones."""
+    written = {
+        name: {"module": key, **({"params": dict(params)} if params else {})}
+        for name, (key, params) in nodes.items()
+    }
+    links = [list(link) for link in in_order(nodes, standard_library())]
+    head = {"format": "imagechain-network", "version": 1, **fields}
+    return {**head, "nodes": written, "links": links}

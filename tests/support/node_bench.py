@@ -1,5 +1,6 @@
 """A network of nodes, linked in their order if not otherwise, planned and evaluated."""
 
+import numpy as np
 import pytest
 
 from core.chain.engine import Engine
@@ -7,6 +8,18 @@ from core.errors import ImagechainError
 from core.evaluation.work import Policy
 from core.modules.declaration import NodeContext
 from linked_network import in_order, linked_network
+
+
+def fov_of(shape, interval_mrad):
+    """The fields of a picture whose samples are that far apart."""
+    sides = zip("yx", shape, strict=True)
+    return {f"fov_{a}_deg": float(np.degrees(interval_mrad * 1e-3 * n)) for a, n in sides}
+
+
+def square_detectors(pitch_um, focal_length_mm, f_number, **more):
+    """Parameters of Init & Trans for square detectors."""
+    detectors = {"detector_x_um": pitch_um, "detector_y_um": pitch_um}
+    return {**detectors, "focal_length_mm": focal_length_mm, "f_number": f_number, **more}
 
 
 class NodeBench:

@@ -20,6 +20,10 @@ SENSOR = {
 BAND = {"cut_on_um": 8, "cut_off_um": 12, "background_K": 300, "bandwidth_Hz": 30000}
 QUIET = {**BAND, "d_star": 1e30}  # a detector without noise worth the name
 NOISY = {**BAND, "d_star": 1e9}
+FULL = {
+    **NOISY, "amplifier_snr": 20, "gain_percent": 3, "bias_percent": 2, "use_mtf": True,
+    "noise_variability_percent": 10, "post_filter": "lowpass", "post_corner_Hz": 20000, "bits": 8,
+}  # fmt: skip
 
 
 def network(electronics, *, names=("noise", "photons"), seed=1996, sensor=None, photons=None):

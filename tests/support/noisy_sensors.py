@@ -24,6 +24,7 @@ QUIET = {
     "range_low": 0.0,
     "range_high": 80.0,
 }
+LENS = {"detector_x_um": 30.0, "detector_y_um": 30.0, "focal_length_mm": 20.0, "f_number": 2.0}
 SOURCES = {
     "gain": {"gain_percent": 2.0},
     "bias": {"bias_percent": 2.0},
@@ -45,25 +46,13 @@ def noisy_sensor(folder: Path, *kinds, platform="array", edges="reflect", factor
     electronics = dict(QUIET)
     for kind in kinds:
         electronics |= SOURCES.get(kind, {})
+    photons = {"percent": 5.0 if "published photons" in kinds else 0.0}
+    if "photons" in kinds:
+        photons = {"mode": "photon", "photons_per_unit": 40.0}
     nodes = {
         "scene": ("read_image", {"path": "scene.npy", "fov_x_deg": 6.0, "fov_y_deg": 4.8}),
-        "photons": (
-            "poisson_noise",
-            {"mode": "photon", "photons_per_unit": 40.0}
-            if "photons" in kinds
-            else {"percent": 5.0 if "published photons" in kinds else 0.0},
-        ),
-        "init": (
-            "init_trans",
-            {
-                "detector_x_um": 30.0,
-                "detector_y_um": 30.0,
-                "focal_length_mm": 20.0,
-                "f_number": 2.0,
-                "platform": platform,
-                "edges": edges,
-            },
-        ),
+        "photons": ("poisson_noise", photons),
+        "init": ("init_trans", {**LENS, "platform": platform, "edges": edges}),
         "blur": ("gaussian_mtf", {"sigma_x_mrad": 0.6, "sigma_y_mrad": 0.4}),
         "pupil": ("exit_pupil", {"radius": 60.0, "size_x": 128, "size_y": 128}),
         "optics": (

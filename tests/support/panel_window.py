@@ -9,11 +9,11 @@ import sys
 from pathlib import Path
 
 from PySide6.QtCore import QPoint
-from PySide6.QtWidgets import QStyle, QStyleOptionSlider
 
 from app.editor.panels.preview_view import PreviewView
 from hands import centre, process_events, wait_until
 from managed_window import Managed
+from panel_hands import handle_of
 from screen_places import place_of_head
 
 SHUT = "shut.json"
@@ -52,12 +52,7 @@ def choose(made, node):
 def dragged(made, panel, name, pixels):
     """Where the fields lie before a slider is dragged, at each step, and after."""
     slider = panel.body.sections.field(name).slider
-    option = QStyleOptionSlider()
-    slider.initStyleOption(option)
-    handle = slider.style().subControlRect(
-        QStyle.ComplexControl.CC_Slider, option, QStyle.SubControl.SC_SliderHandle, slider
-    )
-    x, y = made.at(slider.mapToGlobal(handle.center()))
+    x, y = made.at(slider.mapToGlobal(handle_of(slider)))
     found, badges = [heights(panel)], []
     steps = [("mousemove", x, y, "mousedown", 1)]
     steps += [("mousemove", x + pixels * step // 2, y) for step in (1, 2)]

@@ -3,14 +3,10 @@
 import numpy as np
 
 from core.modules.declaration import declaration
-from node_bench import NodeBench
+from node_bench import NodeBench, fov_of
 from nodes.library import standard_library
 
 LIBRARY = standard_library()
-
-
-def fov_deg(size, interval_mrad):
-    return float(np.degrees(size * interval_mrad / 1000))
 
 
 def short_chain(folder, picture, modules, *, interval_mrad=1.0, init=(), precision="double"):
@@ -20,10 +16,7 @@ def short_chain(folder, picture, modules, *, interval_mrad=1.0, init=(), precisi
     on the picture. A pupil stands before the module it is for.
     """
     np.save(folder / "in.npy", picture)
-    fov = {
-        f"fov_{axis}_deg": fov_deg(size, interval_mrad)
-        for axis, size in zip("yx", np.shape(picture), strict=True)
-    }
+    fov = fov_of(np.shape(picture), interval_mrad)
     nodes = {"file": ("read_image", {"path": "in.npy", **fov}), "init": ("init_trans", dict(init))}
     pictures = {}
     for key, params in modules:

@@ -12,7 +12,7 @@ from app.report.budget import budget_facts
 from app.run.evaluation import TimedWork, evaluate, planned
 from core.chain.engine import Engine
 from core.evaluation.work import Policy
-from linked_network import linked_network
+from linked_network import document_of, linked_network
 from nodes.library import standard_library
 
 SIZE, FOV_DEG = 512, 10.0
@@ -97,31 +97,15 @@ def test_it_is_in_both_reports(shipped_report):
 def test_a_picture_of_nothing_but_noise_is_shared_out(works, write, tmp_path):
     np.save(tmp_path / "dark.npy", np.zeros((32, 32)))
     np.save(tmp_path / "glow.npy", np.tile([29.0, 31.0], (32, 16)))
-    document = {
-        "format": "imagechain-network",
-        "version": 1,
-        "nodes": {
-            "scene": {
-                "module": "read_image",
-                "params": {"path": "dark.npy", "fov_x_deg": 3.0, "fov_y_deg": 3.0},
-            },
-            "glow": {"module": "noise_file", "params": {"path": "glow.npy"}},
-            "init": {"module": "init_trans", "params": {**SENSOR}},
-            "back": {"module": "back_transform"},
-            "electronics": {
-                "module": "electronics_noise",
-                "params": {
-                    **ELECTRONICS, "amplifier_snr": 30.0, "cut_on_um": 8.0, "cut_off_um": 12.0,
-                },
-            },
-        },
-        "links": [
-            ["scene.image", "glow.image"], ["glow.image", "init.image"],
-            ["init.magnitude", "back.magnitude"], ["init.phase", "back.phase"],
-            ["back.image", "electronics.image"], ["init.context", "electronics.context"],
-        ],
-    }  # fmt: skip
-    works("run", write(document), "--report", "r.json", "--report", "r.html")
+    electronics = {**ELECTRONICS, "amplifier_snr": 30.0, "cut_on_um": 8.0, "cut_off_um": 12.0}
+    nodes = {
+        "scene": ("read_image", {"path": "dark.npy", "fov_x_deg": 3.0, "fov_y_deg": 3.0}),
+        "glow": ("noise_file", {"path": "glow.npy"}),
+        "init": ("init_trans", SENSOR),
+        "back": ("back_transform", {}),
+        "electronics": ("electronics_noise", electronics),
+    }
+    works("run", write(document_of(nodes)), "--report", "r.json", "--report", "r.html")
     found = json.loads((tmp_path / "r.json").read_text())["budget"]
     by_name = {each["name"]: each for each in found["noise"]["sources"]}
     # ±1 about 30, as the estimate of 32 columns about their mean that is right on average.

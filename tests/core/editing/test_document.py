@@ -78,22 +78,6 @@ def test_steps_of_one_kind_are_apart_without_a_gesture_or_after_its_end(document
     assert document.position == 4
 
 
-def test_the_modified_mark_follows_undo_and_redo(document, tmp_path):
-    document.do(remove_nodes(("slices",)))
-    assert document.modified
-    document.save(tmp_path / "a.json")
-    assert not document.modified
-    document.undo()
-    assert document.modified
-    document.redo()
-    assert not document.modified
-    document.undo()
-    document.do(remove_nodes(("picture",)))  # the saved state can be reached no more
-    document.undo()
-    assert document.modified
-    assert document.redo_text == "Delete picture"
-
-
 def test_listeners_hear_every_change_and_only_those(document):
     heard = []
     document.listen(lambda before, after: heard.append((before, after)))

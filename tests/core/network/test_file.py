@@ -23,82 +23,17 @@ from core.network.file import (
 from core.network.network import Link, Network, Node, cycles, passed_through, topological
 from core.network.validation import NetworkProblems
 
-FORMATTED = """{
-  "format": "imagechain-network",
-  "version": 1,
-  "name": "Kodak KIR-310",
-  "description": "µ-bolometer, 30°",
-  "seed": 1996,
-  "nodes": {
-    "scene": {
-      "module": "scene_maker",
-      "params": {
-        "kind": "point",
-        "spots": [0.0, 1.5],
-        "width": 1024
-      }
-    },
-    "init": {
-      "module": "init",
-      "params": {
-        "focal_length_mm": 200.0
-      },
-      "pinned": true
-    },
-    "jitter": {
-      "module": "jitter_mtf",
-      "params": {
-        "sigma_mrad": 0.5
-      },
-      "auto": false
-    },
-    "back": {
-      "module": "back"
-    },
-    "add noise": {
-      "module": "noise",
-      "disabled": true
-    },
-    "look": {
-      "module": "look",
-      "params": {
-        "level": 1.0
-      }
-    }
-  },
-  "links": [
-    ["scene.image", "init.image"],
-    ["init.context", "jitter.context"],
-    ["init.magnitude", "jitter.magnitude"],
-    ["init.phase", "back.phase"],
-    ["jitter.magnitude", "back.magnitude"],
-    ["back.image", "add noise.image"],
-    ["add noise.image", "look.picture"]
-  ],
-  "layout": {
-    "scene": [0, 0],
-    "init": [220, -12.5]
-  },
-  "backdrops": [
-    {
-      "title": "Optics",
-      "nodes": ["init", "jitter"]
-    }
-  ]
-}
-"""
-
 
 def _parse(document, library):
     return parse_network(json.dumps(document), library=library, name_of_source="n.json")
 
 
-def test_saved_is_loaded_equal_and_the_text_is_stable(document, small_library, tmp_path):
+def test_saved_is_loaded_equal_and_the_text_is_stable(document, formatted, small_library, tmp_path):
     network = _parse(document, small_library)
     path = tmp_path / "n.json"
     save_network(network, path, library=small_library)
     assert load_network(path, library=small_library) == network
-    assert path.read_text("utf-8") == FORMATTED
+    assert path.read_text("utf-8") == formatted
     assert list(tmp_path.iterdir()) == [path]
 
 

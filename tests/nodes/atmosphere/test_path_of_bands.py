@@ -7,7 +7,7 @@ import scipy.fft
 
 from core.evaluation.work import Policy
 from cube_files import C1_UM, C2_UM, band_by_band, centres, materials_cube, write_cube
-from node_bench import NodeBench
+from node_bench import NodeBench, fov_of
 from nodes.analysis.lineage import transfer_of
 from nodes.library import standard_library
 
@@ -41,12 +41,8 @@ def chain(tmp_path):
     write_cube(tmp_path, cube, wavelengths, width)
 
     def made(params, *, bands="all"):
-        fov = {
-            "fov_x_deg": float(np.degrees(INTERVAL * 1e-3 * SIZE[1])),
-            "fov_y_deg": float(np.degrees(INTERVAL * 1e-3 * SIZE[0])),
-        }
         nodes = {
-            "read": ("read_image", {"path": "cube.img", "bands": bands, **fov}),
+            "read": ("read_image", {"path": "cube.img", "bands": bands, **fov_of(SIZE, INTERVAL)}),
             "air": ("atmospheric_path", params),
             "init": ("init_trans", {"focal_length_mm": 100.0, "f_number": 1.0}),
             "optics": ("diffraction_mtf", {"aperture_mm": 100.0}),
@@ -136,12 +132,8 @@ def test_air_blurs_each_band_at_its_own_wavelength(tmp_path, params, otf):
     wavelengths, width = centres(COUNT)
     cube = materials_cube(SIZE, wavelengths)
     write_cube(tmp_path, cube, wavelengths, width)
-    fov = {
-        "fov_x_deg": float(np.degrees(INTERVAL * 1e-3 * SIZE[1])),
-        "fov_y_deg": float(np.degrees(INTERVAL * 1e-3 * SIZE[0])),
-    }
     nodes = {
-        "read": ("read_image", {"path": "cube.img", "bands": "all", **fov}),
+        "read": ("read_image", {"path": "cube.img", "bands": "all", **fov_of(SIZE, INTERVAL)}),
         "init": ("init_trans", {}),
         "blur": ("atmosphere_mtf", params),
         "back": ("back_transform", {}),

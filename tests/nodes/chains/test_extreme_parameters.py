@@ -7,13 +7,32 @@ from typing import Any
 import numpy as np
 import pytest
 
-from chain_runs import picture_of, run_on_file
+from battery_settings import AFFORDABLE, SENSOR
+from chain_runs import arrays_of
 from core.chain.engine import Engine
 from core.modules.declaration import declaration
 from core.modules.parameters import Parameter
-from drawn_chains import AFFORDABLE, BAND, GIVEN, LIBRARY, PICTURE, PUPIL, SENSOR, SPECTRUM, Chain
+from core.network.network import Network
+from drawn_networks import ON_SPECTRUM
 from linked_network import in_order, linked_network
+from nodes.library import standard_library
 
+LIBRARY = standard_library()
+MEAN_ERROR = {"double": 1e-12, "single": 1e-6}
+
+PICTURE = (
+    "combine_pixels", "anti_alias", "interpolate", "poisson_noise", "electronics_noise",
+    "periodic_noise",
+)  # fmt: skip
+PUPIL = {"size_x": 32, "size_y": 32, "radius": 12, "obscuration_radius": 4, "slit_width": 3}
+BAND = {"cut_on_um": 8, "cut_off_um": 12}
+# Of these some parameters must be given for the module to run at all.
+GIVEN: dict[str, dict[str, Any]] = {
+    "exit_pupil_mtf": BAND,
+    "electronics_noise": {**BAND, "d_star": 1e10, "background_K": 300, "bandwidth_Hz": 1e4},
+    "poisson_noise": {"photons_per_unit": 10},
+    "atmosphere_mtf": {"wavelength_um": 9, "fried_r0_m": 0.02, "aperture_mm": 20},
+}
 # What is switched on beside the parameter under test, so that it acts.
 ACTIVE: dict[str, list[dict[str, Any]]] = {
     "atmosphere_mtf": [
@@ -85,8 +104,11 @@ def extremes(parameter: Parameter) -> list[Any]:
     return [v for v in dict.fromkeys(values) if parameter._in_range(v)]
 
 
-def fixed_chain(key: str, values: dict[str, Any]) -> Chain:
-    """Init, the module (of spectra), a pupil, back, the module (of pictures), in this order."""
+def fixed_chain(key: str, values: dict[str, Any]) -> tuple[Network, str, bool]:
+    """Init, the module (of spectra), a pupil, back, the module (of pictures), in this order.
+
+    With the last port, and whether the mean should come out there as it went in.
+    """
     on_picture, own = key in PICTURE, {"it": (key, values)}
     nodes: dict[str, tuple[str, dict[str, Any]]] = {
         "file": ("read_image", {"path": "in.npy", "fov_x_deg": 1.5, "fov_y_deg": 1.1}),
@@ -103,7 +125,7 @@ def fixed_chain(key: str, values: dict[str, Any]) -> Chain:
     document = linked_network(nodes, in_order(nodes, LIBRARY))
     even = key not in ("charge_eff_phase", "exit_pupil") and values.get("model") != "line"
     keeps = (not on_picture or key == "anti_alias") and even and not values.get("apply")
-    return Chain(document, "it" if on_picture else "back", keeps)
+    return document, "it.image" if on_picture else "back.image", keeps
 
 
 def each_extreme(key: str, *, thorough: bool):
@@ -121,15 +143,19 @@ def each_extreme(key: str, *, thorough: bool):
                     yield {**base, parameter.name: value}, precision
 
 
-@pytest.mark.parametrize("key", [*SPECTRUM, *PICTURE, "init_trans", "exit_pupil"])
+@pytest.mark.parametrize("key", [*ON_SPECTRUM, *PICTURE, "init_trans", "exit_pupil"])
 def test_each_parameter_at_its_extremes(folder, key, request):
     """One engine for all settings, as in the window: what they do not change is made once."""
-    picture = picture_of("scene", (3, 4))
+    picture = np.random.default_rng(7).uniform(20, 60, (3, 4))
     np.save(folder / "in.npy", picture)
     engine, faults = Engine(LIBRARY), []
     for values, precision in each_extreme(key, thorough=request.config.option.thorough):
+        network, last, keeps_mean = fixed_chain(key, values)
         try:
-            run_on_file(fixed_chain(key, values), picture, folder, precision, engine)
+            found = arrays_of(network, folder, precision, engine)
+            if keeps_mean and last in found:
+                mean = found[last].mean(dtype=np.longdouble)
+                assert mean == pytest.approx(picture.mean(), rel=MEAN_ERROR[precision])
         except (ArithmeticError, AssertionError, ValueError, Warning) as fault:
             reason = str(fault).splitlines()[0] if str(fault) else ""
             faults.append(f"{precision} {values}: {type(fault).__name__} {reason}")

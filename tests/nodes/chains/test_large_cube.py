@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from child_process import PEAK, ROOT, finished
+from linked_network import document_of
 
 BANDS, LIT = 1000, 16
 # Sides of a picture, and the memory a run may take: the libraries take some 100 MB of it.
@@ -57,41 +58,19 @@ def cube(tmp_path, side):
 @pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="peak memory is read in /proc")
 @pytest.mark.parametrize("side", [512, pytest.param(1024, marks=pytest.mark.thorough)])
 def test_the_memory_of_a_few_pictures(side, cube, tmp_path):
-    network = {
-        "format": "imagechain-network",
-        "version": 1,
-        "name": "Large",
-        "seed": 1,
-        "nodes": {
-            "read": {
-                "module": "read_image",
-                "params": {"path": "cube.img", "bands": "all", "fov_x_deg": 2.0, "fov_y_deg": 2.0},
-            },
-            "init": {
-                "module": "init_trans",
-                "params": {
-                    "focal_length_mm": 100.0,
-                    "f_number": 4.0,
-                    "detector_x_um": 15.0,
-                    "detector_y_um": 15.0,
-                },
-            },
-            "optics": {"module": "diffraction_mtf", "params": {"aperture_mm": 300.0}},
-            "back": {"module": "back_transform"},
-            "focal_plane": {"module": "focal_plane", "params": {"units": "electrons"}},
-        },
-        "links": [
-            ["read.image", "init.image"],
-            ["init.context", "optics.context"],
-            ["init.magnitude", "optics.magnitude"],
-            ["init.phase", "optics.phase"],
-            ["optics.magnitude", "back.magnitude"],
-            ["optics.phase", "back.phase"],
-            ["back.image", "focal_plane.image"],
-            ["init.context", "focal_plane.context"],
-        ],
+    fov = {"fov_x_deg": 2.0, "fov_y_deg": 2.0}
+    lens = {"focal_length_mm": 100.0, "f_number": 4.0}
+    nodes = {
+        "read": (
+            "read_image",
+            {"path": "cube.img", "bands": "all", **fov},
+        ),
+        "init": ("init_trans", {**lens, "detector_x_um": 15.0, "detector_y_um": 15.0}),
+        "optics": ("diffraction_mtf", {"aperture_mm": 300.0}),
+        "back": ("back_transform", {}),
+        "focal_plane": ("focal_plane", {"units": "electrons"}),
     }
-    (tmp_path / "net.json").write_text(json.dumps(network))
+    (tmp_path / "net.json").write_text(json.dumps(document_of(nodes, seed=1)))
     code = f"import sys; sys.path.insert(0, {str(ROOT)!r})\n{RUN}"
     done = finished([sys.executable, "-c", code], folder=tmp_path)
     assert done.returncode == 0, done.stderr

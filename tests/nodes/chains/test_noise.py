@@ -8,7 +8,7 @@ import pytest
 from core.chain.engine import Engine
 from core.errors import ImagechainError, InputError
 from core.evaluation.store import Store
-from noise_bench import BOUND, LIBRARY, NOISY, QUIET, assert_rms, network, rms
+from noise_bench import BOUND, FULL, LIBRARY, NOISY, QUIET, assert_rms, network, rms
 
 
 class TestDetectorAndAmplifier:
@@ -219,10 +219,6 @@ def test_a_picture_beyond_the_one_end_given_is_clipped_or_refused(bench, ends):
 
 OUTPUTS = ("image", "noise", "detector_noise", "quantization_error")
 
-FULL = {
-    **NOISY, "amplifier_snr": 20, "gain_percent": 3, "bias_percent": 2, "use_mtf": True,
-    "noise_variability_percent": 10, "post_filter": "lowpass", "post_corner_Hz": 20000, "bits": 8,
-}  # fmt: skip
 PHOTONS = {"percent": 30, "width_px": 3}
 PORTS = (*tuple(f"noise.{output}" for output in OUTPUTS), "photons.image", "photons.noise")
 
@@ -255,26 +251,17 @@ class TestStreams:
         return [bench.get(document, f"{node}.{port}", engine=Engine(LIBRARY))
                 for document in documents]  # fmt: skip
 
-    def test_nodes_draw_independently(self, bench):
-        bench.picture(np.full((200, 300), 40.0))
-        one, two = bench.get(network(NOISY), "noise.detector_noise", "beside.detector_noise")
-        correlation = np.corrcoef(one.ravel(), two.ravel())[0, 1]
-        assert abs(correlation) <= BOUND / np.sqrt(one.size)
-
-    def test_noises_of_one_node_are_independent(self, bench):
+    def test_noises_of_a_node_and_of_nodes_are_independent(self, bench):
         bench.picture(np.full((200, 300), 40.0))
         how = {"amplifier_snr": 10, "gain_percent": 3, "bias_percent": 3}
         how["noise_variability_percent"] = 3
         document = network({**NOISY, **how}, sensor={"platform": "array"})
-        total, detector = bench.get(document, "noise.noise", "noise.detector_noise")
-        rest = total - detector
-        assert abs(np.corrcoef(rest.ravel(), detector.ravel())[0, 1]) <= BOUND / np.sqrt(rest.size)
-
-    def test_no_correlation_between_neighbours(self, bench):
-        bench.picture(np.full((200, 300), 40.0))
-        noise = bench.get(network(NOISY), "noise.detector_noise")
-        for a, b in ((noise[1:], noise[:-1]), (noise[:, 1:], noise[:, :-1])):
-            assert abs(np.corrcoef(a.ravel(), b.ravel())[0, 1]) <= BOUND / np.sqrt(a.size)
+        ports = ("noise.noise", "noise.detector_noise", "beside.detector_noise")
+        total, detector, other = bench.get(document, *ports)
+        for one in (total - detector, other):
+            assert abs(np.corrcoef(one.ravel(), detector.ravel())[0, 1]) <= BOUND / np.sqrt(
+                one.size
+            )
 
     def test_names_and_seeds_change_the_noise(self, bench):
         renamed = network(NOISY, names=("noise", "other"))

@@ -1,12 +1,11 @@
 """A region of a picture is the whole picture's, to the bit, and costs less."""
 
+from random import Random
+
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
 
 from analytic_stages import CHAINS
-from chain_runs import picture_of
 from core.chain.engine import Engine
 from core.chain.random_fields import BLOCK
 from core.chain.skipped import skips
@@ -14,18 +13,14 @@ from core.evaluation.recipes import Region
 from core.evaluation.store import Store
 from core.evaluation.work import Policy, Work
 from delivered_chains import chain_network, scene
-from drawn_chains import SIZES, chains, ordinary
-from noise_bench import NOISY, network
+from drawn_networks import SMALL, drawn, frames
+from noise_bench import FULL, NOISY, network
 from region_checks import LIBRARY, assert_parts, image_ports
 from small_networks import SHIPPED, small_network
 from thorough import examples
 
 NAMES = sorted(path.stem for path in SHIPPED.glob("*.json"))
 PRECISIONS = ["single", "double"]
-FULL = {
-    **NOISY, "amplifier_snr": 20, "gain_percent": 3, "bias_percent": 2, "use_mtf": True,
-    "noise_variability_percent": 10, "post_filter": "lowpass", "post_corner_Hz": 20000, "bits": 8,
-}  # fmt: skip
 
 
 @pytest.mark.thorough(but=len(NAMES))
@@ -98,24 +93,14 @@ def test_interpolated(tmp_path, order, width, height, edges):
         assert_parts(document, [f"{last}.image"], tmp_path, precision=precision)
 
 
-@settings(
-    deadline=None,
-    derandomize=True,
-    max_examples=examples(60),
-    suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much,
-                           HealthCheck.data_too_large],
-)  # fmt: skip
-@given(
-    drawn=chains(ordinary, sizes=SIZES[2:]),
-    precision=st.sampled_from(PRECISIONS),
-    last_only=st.booleans(),
-)
-def test_random_chains(folder, drawn, precision, last_only):
-    size, chain = drawn
-    np.save(folder / "in.npy", picture_of("scene", size))
-    plan = Engine(LIBRARY).plan(chain.network, folder=folder)
-    ports = [port for port in image_ports(plan) if not last_only or port.startswith(chain.last)]
-    assert_parts(chain.network, ports, folder, precision=precision)
+@pytest.mark.parametrize("precision", PRECISIONS)
+def test_random_networks(tmp_path, precision):
+    _, names = frames(tmp_path, SMALL[4:])
+    random = Random(f"regions {precision}")
+    for _ in range(examples(30)):
+        network = drawn(random, names).network()
+        ports = image_ports(Engine(LIBRARY).plan(network, folder=tmp_path))
+        assert_parts(network, ports, tmp_path, precision=precision)
 
 
 class Counted(Work):

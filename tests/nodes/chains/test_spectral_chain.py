@@ -6,7 +6,7 @@ import pytest
 from core.chain.frame_sequence import at_frame
 from core.evaluation.work import Policy
 from cube_files import band_by_band, centres, materials_cube, write_cube
-from node_bench import NodeBench
+from node_bench import NodeBench, fov_of
 from nodes.library import standard_library
 
 LIBRARY = standard_library()
@@ -17,12 +17,9 @@ SIZE = (64, 80)
 
 
 def network(*, read=(), optics=(), **more):
-    fov = {
-        "fov_x_deg": float(np.degrees(INTERVAL * 1e-3 * SIZE[1])),
-        "fov_y_deg": float(np.degrees(INTERVAL * 1e-3 * SIZE[0])),
-    }
+    read = {"path": "cube.img", "bands": "all", **fov_of(SIZE, INTERVAL), **dict(read)}
     return {
-        "read": ("read_image", {"path": "cube.img", "bands": "all", **fov, **dict(read)}),
+        "read": ("read_image", read),
         "init": ("init_trans", {"focal_length_mm": 100.0, "f_number": 1.0}),
         "optics": ("diffraction_mtf", {"aperture_mm": 100.0, **dict(optics)}),
         "back": ("back_transform", {}),

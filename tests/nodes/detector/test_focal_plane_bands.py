@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cube_files import C1_UM, C2_UM, PHOTON_J_UM, band_by_band, centres, materials_cube, write_cube
-from node_bench import NodeBench
+from node_bench import NodeBench, fov_of, square_detectors
 from nodes.library import standard_library
 
 LIBRARY = standard_library()
@@ -13,13 +13,7 @@ SIZE = (32, 40)
 INTERVAL = 0.035
 BANDS = 40
 PITCH_UM, F_NUMBER, TIME_S = 15.0, 2.0, 0.002
-INIT = {
-    "detector_x_um": PITCH_UM,
-    "detector_y_um": PITCH_UM,
-    "focal_length_mm": 100.0,
-    "f_number": F_NUMBER,
-    "platform": "array",
-}
+INIT = square_detectors(PITCH_UM, 100.0, F_NUMBER, platform="array")
 PLANE = {"integration_time_s": TIME_S, "quantum_efficiency": 0.6, "units": "electrons"}
 PER_PHOTON = TIME_S * (PITCH_UM * 1e-6) ** 2 * np.pi / (4 * F_NUMBER**2 + 1)
 
@@ -31,12 +25,9 @@ def cube():
 
 
 def bench(folder, *, plane=(), read=(), optics=True):
-    fov = {
-        "fov_x_deg": float(np.degrees(INTERVAL * 1e-3 * SIZE[1])),
-        "fov_y_deg": float(np.degrees(INTERVAL * 1e-3 * SIZE[0])),
-    }
+    read = {"path": "cube.img", "bands": "all", **fov_of(SIZE, INTERVAL), **dict(read)}
     nodes = {
-        "read": ("read_image", {"path": "cube.img", "bands": "all", **fov, **dict(read)}),
+        "read": ("read_image", read),
         "init": ("init_trans", INIT),
         **({"optics": ("diffraction_mtf", {"aperture_mm": 50.0})} if optics else {}),
         "back": ("back_transform", {}),

@@ -8,7 +8,7 @@ import pytest
 
 from cube_files import C1_UM, C2_UM, PHOTON_J_UM, write_cube
 from focal_plane_bench import CAMERA_SHEET, focal_plane_bench
-from node_bench import NodeBench
+from node_bench import NodeBench, square_detectors
 from nodes.library import standard_library
 
 LIBRARY = standard_library()
@@ -17,6 +17,8 @@ SIZE = (6, 7)
 LOW, HIGH = 3.7, 4.8
 PITCH_UM, F_NUMBER, TIME_S, QE = 15.0, 4.0, 0.004, 0.7
 PER_PHOTON = QE * TIME_S * (PITCH_UM * 1e-6) ** 2 * np.pi / (4 * F_NUMBER**2 + 1)
+LENS = square_detectors(PITCH_UM, 100.0, F_NUMBER)
+PLANE = {"integration_time_s": TIME_S, "quantum_efficiency": QE}
 RESPONSES = {
     "grey": ({"shape": "rectangle", "peak": 0.5}, lambda um: 0.5 + 0 * um),
     "narrow": (
@@ -62,21 +64,9 @@ def bench(folder, read, response, plane):
     nodes = {
         "read": ("read_image", {"fov_x_deg": 0.1, "fov_y_deg": 0.1, **read}),
         "filter": ("spectral_response", response),
-        "init": (
-            "init_trans",
-            {
-                "detector_x_um": PITCH_UM,
-                "detector_y_um": PITCH_UM,
-                "focal_length_mm": 100.0,
-                "f_number": F_NUMBER,
-                "platform": "array",
-            },
-        ),
+        "init": ("init_trans", {**LENS, "platform": "array"}),
         "back": ("back_transform", {}),
-        "plane": (
-            "focal_plane",
-            {"integration_time_s": TIME_S, "quantum_efficiency": QE, **dict(plane)},
-        ),
+        "plane": ("focal_plane", {**PLANE, **dict(plane)}),
         "merit": ("figures_of_merit", {}),
     }
     return NodeBench(LIBRARY, folder, nodes)
@@ -122,19 +112,12 @@ def test_reflected_light_behind_a_response_is_counted_by_its_source(tmp_path):
     light = planck(um, 5800.0)
     np.save(tmp_path / "scene.npy", np.full(SIZE, 20.0))
     (tmp_path / "q.csv").write_text("0.5,0\n0.6,1\n0.9,0.2\n")
+    read = {"path": "scene.npy", "cut_on_um": low, "cut_off_um": high}
     nodes = {
-        "read": (
-            "read_image",
-            {"path": "scene.npy", "cut_on_um": low, "cut_off_um": high, "fov_x_deg": 1.0,
-             "fov_y_deg": 1.0},
-        ),
+        "read": ("read_image", {**read, "fov_x_deg": 1.0, "fov_y_deg": 1.0}),
         "filter": ("spectral_response", {"shape": "file", "path": "q.csv"}),
-        "init": (
-            "init_trans",
-            {"detector_x_um": PITCH_UM, "detector_y_um": PITCH_UM, "focal_length_mm": 100.0,
-             "f_number": F_NUMBER},
-        ),
-        "plane": ("focal_plane", {"integration_time_s": TIME_S, "quantum_efficiency": QE}),
+        "init": ("init_trans", LENS),
+        "plane": ("focal_plane", PLANE),
     }  # fmt: skip
     made = NodeBench(LIBRARY, tmp_path, nodes).readouts("plane")["signal_e"]
     want = PER_PHOTON * 20.0 * np.mean(law * light * um) / np.mean(light) / PHOTON_J_UM

@@ -113,19 +113,13 @@ def taken(tmp_path_factory):
 
 @pytest.mark.parametrize("fill", LEVELS)
 class TestLevels:
-    def test_mean(self, taken, fill):
+    def test_mean_and_variances_in_time_and_among_pixels(self, taken, fill):
         frames, _, truth = taken[fill]
+        temporal = frames.var(axis=0, ddof=1).mean()
+        fixed = frames.mean(axis=0).var(ddof=1) - truth.temporal / FRAMES
         assert abs(frames.mean() - truth.mean) < 4 * truth.mean_error
-
-    def test_variance_in_time(self, taken, fill):
-        frames, _, truth = taken[fill]
-        measured = frames.var(axis=0, ddof=1).mean()
-        assert abs(measured - truth.temporal) < 4 * truth.temporal_error
-
-    def test_variance_among_pixels(self, taken, fill):
-        frames, _, truth = taken[fill]
-        measured = frames.mean(axis=0).var(ddof=1) - truth.temporal / FRAMES
-        assert abs(measured - truth.fixed) < 4 * truth.fixed_error
+        assert abs(temporal - truth.temporal) < 4 * truth.temporal_error
+        assert abs(fixed - truth.fixed) < 4 * truth.fixed_error
 
     @pytest.mark.parametrize("axis", [1, 2])
     def test_covariance_between_neighbours(self, taken, fill, axis):

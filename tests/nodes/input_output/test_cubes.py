@@ -9,7 +9,7 @@ from core.errors import DataError, FileError, ParameterError
 from core.evaluation.store import Store
 from core.evaluation.work import Policy, Work
 from cube_files import PHOTON_J_UM, centres, materials_cube, write_cube
-from node_bench import NodeBench
+from node_bench import NodeBench, square_detectors
 from nodes.library import standard_library
 
 
@@ -46,25 +46,12 @@ PER_PHOTON = TIME_S * (PITCH_UM * 1e-6) ** 2 * np.pi / (4 * F_NUMBER**2 + 1)
 
 
 def bench(folder, *, read, plane=()):
+    seen = {"path": "cube.img", "bands": "all", "fov_x_deg": 1.0, "fov_y_deg": 1.0, **read}
+    counting = {"integration_time_s": TIME_S, "quantum_efficiency": 1.0}
     nodes = {
-        "read": (
-            "read_image",
-            {"path": "cube.img", "bands": "all", "fov_x_deg": 1.0, "fov_y_deg": 1.0, **read},
-        ),
-        "init": (
-            "init_trans",
-            {
-                "detector_x_um": PITCH_UM,
-                "detector_y_um": PITCH_UM,
-                "focal_length_mm": 100.0,
-                "f_number": F_NUMBER,
-                "platform": "array",
-            },
-        ),
-        "plane": (
-            "focal_plane",
-            {"integration_time_s": TIME_S, "quantum_efficiency": 1.0, **dict(plane)},
-        ),
+        "read": ("read_image", seen),
+        "init": ("init_trans", square_detectors(PITCH_UM, 100.0, F_NUMBER, platform="array")),
+        "plane": ("focal_plane", {**counting, **dict(plane)}),
     }
     return NodeBench(LIBRARY, folder, nodes)
 

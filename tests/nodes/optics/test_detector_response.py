@@ -5,7 +5,7 @@ import pytest
 
 from core.evaluation.work import Policy
 from cube_files import C2_UM, centres, disc_otf, materials_cube, write_cube
-from node_bench import NodeBench
+from node_bench import NodeBench, fov_of
 from nodes.library import standard_library
 
 LIBRARY = standard_library()
@@ -36,12 +36,8 @@ def folder(tmp_path):
 
 def bench(folder, key, params, *, read=None, filtered=None):
     read = {"path": "flat.npy", "cut_on_um": 3.0, "cut_off_um": 5.0} if read is None else read
-    fov = {
-        "fov_x_deg": float(np.degrees(INTERVAL * 1e-3 * SHAPE[1])),
-        "fov_y_deg": float(np.degrees(INTERVAL * 1e-3 * SHAPE[0])),
-    }
     nodes = {
-        "read": ("read_image", {**fov, **read}),
+        "read": ("read_image", {**fov_of(SHAPE, INTERVAL), **read}),
         "init": ("init_trans", {"focal_length_mm": 200.0, "f_number": 2.0}),
         "otf": (key, {**KINDS[key], **params}),
     }

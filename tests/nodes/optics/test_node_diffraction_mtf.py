@@ -7,7 +7,7 @@ import scipy.fft
 from core.errors import DataError
 from core.physics.radiometry.planck import band_radiance
 from cube_files import write_cube
-from node_bench import NodeBench
+from node_bench import NodeBench, fov_of
 from nodes.library import standard_library
 from reference_cases import CAMERA, reference_cases
 
@@ -179,15 +179,7 @@ def test_every_band_of_reflected_light_is_blurred_at_its_own_wavelength(
     cube = np.random.default_rng(3).uniform(5, 50, (len(wavelengths), *SIZE))
     write_cube(tmp_path, cube, wavelengths, width)
     nodes = {
-        "read": (
-            "read_image",
-            {
-                "path": "cube.img",
-                "bands": "all",
-                "fov_x_deg": float(np.degrees(INTERVAL * 1e-3 * SIZE[1])),
-                "fov_y_deg": float(np.degrees(INTERVAL * 1e-3 * SIZE[0])),
-            },
-        ),
+        "read": ("read_image", {"path": "cube.img", "bands": "all", **fov_of(SIZE, INTERVAL)}),
         "init": ("init_trans", {"focal_length_mm": 120.0, "f_number": 2.0}),
         "optics": ("diffraction_mtf", {"weighting": weighting, "obscuration_ratio": 0.35}),
         "back": ("back_transform", {}),

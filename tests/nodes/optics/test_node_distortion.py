@@ -9,8 +9,7 @@ import pytest
 from core.chain.step_lineage import lineage_of
 from core.errors import ParameterError
 from core.physics.optics.field import Distortion, samples_at
-from cube_files import centres, write_cube
-from field_bench import LIBRARY, angles, assert_same_in_blocks, field_bench
+from field_bench import LIBRARY, angles, assert_same_in_blocks, cube_bench, field_bench
 from node_bench import NodeBench
 
 BROWN = {"k1": -0.25, "k2": 0.08, "k3": -0.01, "p1": 2e-3, "p2": -1e-3}
@@ -140,12 +139,7 @@ def test_the_scene_that_the_warning_asks_for(tmp_path):
 
 
 def test_bands_and_blocks(tmp_path):
-    waves, width = centres(3, low=3.0, high=5.0)
-    cube = np.random.default_rng(1).random((3, 30, 43)) + 1.0
-    write_cube(tmp_path, cube, waves, width, kind="f8", unit="W/m^2/sr/um")
-    read = {"path": "cube.img", "bands": "all", "fov_x_deg": 40, "fov_y_deg": 30}
-    nodes = {"read": ("read_image", read), "it": ("distortion", BROWN)}
-    bench = NodeBench(LIBRARY, tmp_path, nodes, [("read.image", "it.image")])
+    bench, width = cube_bench(tmp_path, "distortion", BROWN)
     image = bench.port("it.image")
     whole = sum(w * bench.work.value(image.bands.band(n)) for n, w in enumerate([width] * 3))
     np.testing.assert_allclose(whole, bench.value("it.image"), rtol=1e-12)

@@ -9,7 +9,7 @@ from scipy.integrate import quad
 from core.evaluation.work import Policy
 from core.physics.optics.pupil_shapes import PupilShape, sample_pupil, support_circle
 from cube_files import C2_UM, centres, disc_otf, materials_cube, write_cube
-from node_bench import NodeBench
+from node_bench import NodeBench, fov_of
 from nodes.library import standard_library
 from picture_samples import fits as fits_of
 
@@ -329,12 +329,8 @@ def cube(tmp_path):
 
 
 def bench(folder, *, read, pupil=(), otf=()):
-    fov = {
-        "fov_x_deg": float(np.degrees(INTERVAL * 1e-3 * CUBE_SIZE[1])),
-        "fov_y_deg": float(np.degrees(INTERVAL * 1e-3 * CUBE_SIZE[0])),
-    }
     nodes = {
-        "read": ("read_image", {**fov, **read}),
+        "read": ("read_image", {**fov_of(CUBE_SIZE, INTERVAL), **read}),
         "init": ("init_trans", {"focal_length_mm": 100.0, "f_number": 1.0}),
         "pupil": ("exit_pupil", {**PUPIL, **dict(pupil)}),
         "otf": ("exit_pupil_mtf", {"size_x_cm": 12.8, "size_y_cm": 12.8, **dict(otf)}),

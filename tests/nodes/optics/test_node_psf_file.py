@@ -7,16 +7,13 @@ from scipy.ndimage import convolve
 from command_line import run_here
 from core.network.file import format_network
 from linked_network import in_order
-from node_bench import NodeBench
+from node_bench import NodeBench, fov_of
 from nodes.library import standard_library
 
 FOCAL_LENGTH_MM = 100.0
 INTERVAL_MRAD = 0.05
 WIDTH, HEIGHT = 65, 49
-FOV = {
-    "fov_x_deg": float(np.degrees(WIDTH * INTERVAL_MRAD / 1000)),
-    "fov_y_deg": float(np.degrees(HEIGHT * INTERVAL_MRAD / 1000)),
-}
+FOV = fov_of((HEIGHT, WIDTH), INTERVAL_MRAD)
 SCENE = {"kind": "point", "width": WIDTH, "height": HEIGHT, **FOV}
 COMET = np.zeros((7, 9))
 COMET[3, 4], COMET[3, 5:], COMET[4:, 4], COMET[1, 1] = 10.0, (5, 4, 3, 1), (3, 1, 0.5), 0.7

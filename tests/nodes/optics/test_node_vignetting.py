@@ -9,7 +9,7 @@ from scipy.interpolate import PchipInterpolator
 from core.chain.step_lineage import lineage_of
 from core.errors import FileError, ParameterError
 from cube_files import C1_UM, C2_UM, centres, write_cube
-from field_bench import LIBRARY, angles, assert_same_in_blocks, field_bench
+from field_bench import LIBRARY, angles, assert_same_in_blocks, cube_bench, field_bench
 from node_bench import NodeBench
 from region_checks import assert_parts
 
@@ -116,12 +116,7 @@ def test_half_the_light_costs_netd_as_half_the_transmission_does(tmp_path, key, 
 
 
 def test_bands_and_blocks(tmp_path):
-    waves, width = centres(3, low=3.0, high=5.0)
-    cube = np.random.default_rng(1).random((3, 30, 43)) + 1.0
-    write_cube(tmp_path, cube, waves, width, kind="f8", unit="W/m^2/sr/um")
-    read = {"path": "cube.img", "bands": "all", "fov_x_deg": 40, "fov_y_deg": 30}
-    nodes = {"read": ("read_image", read), "it": ("vignetting", {})}
-    bench = NodeBench(LIBRARY, tmp_path, nodes)
+    bench, _ = cube_bench(tmp_path, "vignetting", {})
     image = bench.port("it.image")
     one, before = (bench.work.value(stack.band(1)) for stack in
                    (image.bands, bench.port("read.image").bands))  # fmt: skip

@@ -4,20 +4,14 @@ import numpy as np
 import pytest
 
 from core.modules.declaration import declaration
-from node_bench import NodeBench
+from node_bench import NodeBench, square_detectors
 from nodes.library import standard_library
 
 LIBRARY = standard_library()
 SCENE = {"width": 16, "height": 16, "fov_x_deg": 1.0, "cut_on_um": 8.0, "cut_off_um": 12.0}
-INIT = {
-    "detector_x_um": 20.0,
-    "detector_y_um": 20.0,
-    "focal_length_mm": 100.0,
-    "f_number": 2.0,
-    "range_m": 1000.0,
-    "velocity_m_per_s": 50.0,
-    "scan_velocity_mrad_per_s": 900.0,
-}
+INIT = square_detectors(
+    20.0, 100.0, 2.0, range_m=1000.0, velocity_m_per_s=50.0, scan_velocity_mrad_per_s=900.0
+)
 SHARP = {"size_x": 64, "size_y": 64, "radius": 12.5}  # 50 mm where 64 samples are 12.8 cm
 # Module and warning: parameters that bring it about, what the line says, and sound parameters.
 # Those of `scene` and `init` are of these nodes; with `seen` the picture comes through a detector.

@@ -14,7 +14,7 @@ from core.chain.wires import Image
 from core.errors import DataError
 from core.evaluation.recipes import Step
 from core.evaluation.work import Policy
-from node_bench import NodeBench
+from node_bench import NodeBench, square_detectors
 from nodes.analysis.lineage import Line, NoiseOf, noise_free, stage_along, transfer_of
 from nodes.library import standard_library
 from noisy_sensors import LIBRARY, QUIET, noisy_sensor, picture_of
@@ -26,26 +26,15 @@ def chain_of(folder, picture, *, order=1):
     """Optics, detector, blocks of 3 × 2, read-out of a time constant, other numbers of samples."""
     np.save(folder / "in.npy", picture)
     fov = np.degrees(SIZE * 0.5 / 1000)
+    lens = square_detectors(30.0, 20.0, 2.0, detector_y_um=20.0, edges="periodic")
     nodes = {
         "in": ("read_image", {"path": "in.npy", "fov_x_deg": fov, "fov_y_deg": fov}),
-        "init": (
-            "init_trans",
-            {
-                "edges": "periodic",
-                "f_number": 2.0,
-                "detector_x_um": 30.0,
-                "detector_y_um": 20.0,
-                "focal_length_mm": 20.0,
-            },
-        ),
+        "init": ("init_trans", lens),
         "blur": ("gaussian_mtf", {"sigma_x_mrad": 0.9, "sigma_y_mrad": 0.5}),
         "detector": ("detector_mtf", {}),
         "back": ("back_transform", {}),
         "pixels": ("combine_pixels", {"factor_x": 3, "factor_y": 2}),
-        "read": (
-            "electronics_noise",
-            {**QUIET, "scan_mirror_rate_Hz": 0.01, "time_constant_s": 0.03},
-        ),
+        "read": ("electronics_noise", {**QUIET, "time_constant_s": 0.03}),
         "out": ("interpolate", {"width": 200, "height": 100, "order": order}),
     }
     bench = NodeBench(LIBRARY, folder, nodes)

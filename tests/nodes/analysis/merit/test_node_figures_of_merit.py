@@ -10,6 +10,7 @@ from core.chain.engine import Engine
 from core.errors import DataError, ParameterError
 from core.evaluation.work import Policy
 from linked_network import in_order, linked_network
+from node_bench import square_detectors
 from nodes.library import standard_library
 from planck_truth import band_radiance
 
@@ -21,10 +22,7 @@ SCENE = {
     "kind": "uniform", "width": 80, "height": 80, "fov_x_deg": FOV, "fov_y_deg": FOV,
     "cut_on_um": 3.0, "cut_off_um": 5.0, "temperature_K": 300.0,
 }  # fmt: skip
-INIT = {
-    "detector_x_um": 80.0, "detector_y_um": 80.0, "focal_length_mm": 200.0, "f_number": 2.0,
-    "range_m": 400.0, "platform": "array",
-}  # fmt: skip
+INIT = square_detectors(80.0, 200.0, 2.0, range_m=400.0, platform="array")
 NOISE = {
     "region": "MWIR", "d_star": 1e12, "material": "manual", "bandwidth_Hz": 3e5,
     "amplifier_snr": 100.0,

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from core.errors import DataError
-from node_bench import NodeBench
+from node_bench import NodeBench, square_detectors
 from nodes.library import standard_library
 
 LIBRARY = standard_library()
@@ -17,10 +17,7 @@ SCENE = {
     "kind": "uniform", "width": COLUMNS, "height": ROWS, "fov_x_deg": FOV_X, "fov_y_deg": FOV_Y,
     "cut_on_um": 3.0, "cut_off_um": 5.0, "temperature_K": 300.0,
 }  # fmt: skip
-INIT = {
-    "detector_x_um": 80.0, "detector_y_um": 80.0, "focal_length_mm": 200.0, "f_number": 2.0,
-    "range_m": 400.0, "platform": "array",
-}  # fmt: skip
+INIT = square_detectors(80.0, 200.0, 2.0, range_m=400.0, platform="array")
 D_STAR, BANDWIDTH, SNR = 2e11, 3e5, 100.0
 NOISE = {
     "region": "MWIR", "d_star": D_STAR, "material": "manual", "bandwidth_Hz": BANDWIDTH,
