@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from picture_samples import by_openimageio
+
 Array = NDArray[Any]
 Span = tuple[int, int]
 
@@ -47,7 +49,7 @@ def tiff(folder: Path, rng: np.random.Generator) -> Made:
     else:
         options["tiff:RowsPerStrip"] = int(rng.choice([1, 7, 16, 64]))
     truth = _samples(rng, dtype, channels)
-    content = _by_library(folder, "a.tif", truth, dtype, options, tile)
+    content = _by_library(folder, "a.tif", truth, options, tile)
     guarded = tuple(_tiff_blocks(content)) if compression == "zip" else ()
     layout = "tiles" if tile else "strips"
     return Made(f"tiff {compression} {layout}", ".tif", content, truth[:, :, 0], guarded)
@@ -57,7 +59,7 @@ def png(folder: Path, rng: np.random.Generator) -> Made:
     """Everything behind the signature is covered by the checksums of the chunks."""
     dtype = str(rng.choice(["uint8", "uint16"]))
     truth = _samples(rng, dtype, int(rng.choice([1, 1, 3, 4])))
-    content = _by_library(folder, "a.png", truth, dtype, {}, 0)
+    content = _by_library(folder, "a.png", truth, {}, 0)
     return Made("png", ".png", content, truth[:, :, 0], ((8, len(content)),))
 
 
@@ -69,7 +71,7 @@ def exr(folder: Path, rng: np.random.Generator) -> Made:
     dtype = str(rng.choice(["half", "float"]))
     truth = _samples(rng, dtype, int(rng.choice([1, 3])))
     tile = 16 if rng.random() < 0.3 else 0
-    content = _by_library(folder, "a.exr", truth, dtype, {"compression": compression}, tile)
+    content = _by_library(folder, "a.exr", truth, {"compression": compression}, tile)
     guarded = tuple(_zlib_streams(content)) if compression.startswith("zip") else ()
     return Made(f"exr {compression}", ".exr", content, truth[:, :, 0], guarded)
 
@@ -179,24 +181,9 @@ def _samples(rng: np.random.Generator, dtype: str, channels: int) -> Array:
     return (planes * min(np.iinfo(numpy_type).max, 60000)).astype(numpy_type)
 
 
-def _by_library(
-    folder: Path, name: str, truth: Array, dtype: str, options: dict[str, Any], tile: int
-) -> bytes:
-    import OpenImageIO
-
-    rows, columns, channels = truth.shape
-    spec = OpenImageIO.ImageSpec(columns, rows, channels, "uint" if dtype == "uint32" else dtype)
-    for key, value in options.items():
-        spec.attribute(key, value)
-    spec.attribute("oiio:UnassociatedAlpha", 1)
-    if tile:
-        spec.tile_width = spec.tile_height = tile
-    output = OpenImageIO.ImageOutput.create(name)
-    assert output.open(str(folder / name), spec), output.geterror()
-    assert str(spec.format) in (dtype, "uint"), spec.format
-    assert output.write_image(np.ascontiguousarray(truth)), output.geterror()
-    output.close()
-    output.geterror()
+def _by_library(folder: Path, name: str, truth: Array, options: dict[str, Any], tile: int) -> bytes:
+    options = {**options, "oiio:UnassociatedAlpha": 1}
+    by_openimageio(folder / name, truth, tile=(tile, tile) if tile else None, **options)
     return (folder / name).read_bytes()
 
 

@@ -22,6 +22,26 @@ def samples_of(kind, rows=5, columns=7):
     return values
 
 
+def by_openimageio(path, samples, *, tile=None, **attributes):
+    """Write a picture by the library itself, compressed and laid out as its attributes say."""
+    import OpenImageIO
+
+    samples = np.ascontiguousarray(samples if samples.ndim == 3 else samples[..., None])
+    rows, columns, channels = samples.shape
+    kinds = {"float16": "half", "float32": "float", "float64": "double", "uint32": "uint"}
+    kind = kinds.get(samples.dtype.name, samples.dtype.name)
+    spec = OpenImageIO.ImageSpec(columns, rows, channels, kind)
+    if tile:
+        spec.tile_width, spec.tile_height = tile
+    for name, value in attributes.items():
+        spec.attribute(name, value)
+    output = OpenImageIO.ImageOutput.create(str(path))
+    assert output.open(str(path), spec)
+    assert output.write_image(samples)
+    assert output.close()
+    output.geterror()
+
+
 def tiff(samples, *, strip_rows=0, tile=0, order="<", big=False, packed=False):
     """A TIFF, and where each of its strips or tiles lies: plain, or packed by deflate."""
     rows, columns = samples.shape

@@ -4,14 +4,13 @@ import json
 import math
 
 import numpy as np
-import OpenImageIO
 import pytest
 from scipy.constants import c, h, k
 from scipy.integrate import quad
 
 from app.run.shipped import shipped_networks
 from nodes.files.formats import read_info, read_pixels
-from picture_samples import envi
+from picture_samples import by_openimageio, envi
 
 TWO_SCENES = {"magnitude_of_one_phase_of_another": "building"}
 Y, X = np.mgrid[0:24, 0:32]
@@ -19,23 +18,12 @@ GREY = (Y * 9 + X).astype(np.uint8)  # 0 to 238
 COLOURS = np.stack([GREY, GREY[::-1], 255 - GREY], -1)
 
 
-def write_picture(path, samples):
-    """A picture by OpenImageIO itself."""
-    samples = np.ascontiguousarray(samples if samples.ndim == 3 else samples[..., None])
-    rows, columns, channels = samples.shape
-    output = OpenImageIO.ImageOutput.create(str(path))
-    kind = {"uint8": "uint8", "uint16": "uint16", "float32": "float"}[samples.dtype.name]
-    assert output.open(str(path), OpenImageIO.ImageSpec(columns, rows, channels, kind))
-    assert output.write_image(samples)
-    output.close()
-
-
 @pytest.fixture
 def picture(tmp_path):
     """Write a picture into the folder the command runs in."""
 
     def save(samples, name="own.tif"):
-        write_picture(tmp_path / name, samples)
+        by_openimageio(tmp_path / name, samples)
         return name
 
     return save

@@ -11,7 +11,7 @@ from child_process import kill_program, run_program
 from core.errors import DataError, FileError, ParameterError
 from nodes.files.formats import as_stored, read_pixels, write_picture
 from nodes.files.pictures import read_band, read_info
-from picture_samples import SPECIAL, fits, png, samples_of, tiff, tiff_tag
+from picture_samples import SPECIAL, by_openimageio, fits, png, samples_of, tiff, tiff_tag
 
 KINDS = ("u1", "u2", "u4", "i1", "i2", "i4", "f2", "f4", "f8")
 
@@ -47,35 +47,17 @@ def test_tiff_of_every_type_delivers_the_stored_numbers(tmp_path, kind, layout):
 @pytest.mark.parametrize("predictor", [1, 2, 3])
 @pytest.mark.parametrize("planes", ["contig", "separate"])
 def test_tiles_of_doubles_as_another_program_writes_them(tmp_path, compression, predictor, planes):
-    import OpenImageIO
-
     truth = np.random.default_rng(0).normal(size=(40, 51, 3))
     truth[0, : len(SPECIAL), 0] = SPECIAL
-    spec = OpenImageIO.ImageSpec(51, 40, 3, "double")
-    spec.tile_width, spec.tile_height = 32, 16
-    spec.attribute("compression", compression)
-    spec.attribute("tiff:predictor", predictor)
-    spec.attribute("planarconfig", planes)
-    output = OpenImageIO.ImageOutput.create("tif")
-    assert output.open(str(tmp_path / "a.tif"), spec)
-    assert output.write_image(truth)
-    assert output.close()
-    output.geterror()
+    how = {"compression": compression, "tiff:predictor": predictor, "planarconfig": planes}
+    by_openimageio(tmp_path / "a.tif", truth, tile=(32, 16), **how)
     for band in range(3):
         read = read_band(tmp_path / "a.tif", band)
         assert np.array_equal(read.view("u8"), truth[:, :, band].copy().view("u8"))
 
 
 def test_a_single_row_of_doubles_packed_otherwise_is_refused(tmp_path):
-    import OpenImageIO
-
-    spec = OpenImageIO.ImageSpec(9, 1, 1, "double")
-    spec.attribute("compression", "lzw")
-    output = OpenImageIO.ImageOutput.create("tif")
-    assert output.open(str(tmp_path / "a.tif"), spec)
-    assert output.write_image(np.ones((1, 9, 1)))
-    assert output.close()
-    output.geterror()
+    by_openimageio(tmp_path / "a.tif", np.ones((1, 9)), compression="lzw")
     with pytest.raises(FileError, match=r"single row cannot be read .* allowed: none or deflate"):
         read_band(tmp_path / "a.tif")
 
@@ -163,8 +145,6 @@ def test_radiance_hdr_is_told_from_an_envi_header(tmp_path):
 
 @pytest.mark.parametrize("name", ["a.tif", "a.exr", "a.png", "a.fits", "a.hdr", "a.jpg"])
 def test_truncated_files_are_refused_in_silence(tmp_path, name, capfd):
-    import OpenImageIO
-
     rng = np.random.default_rng(0)
     path = tmp_path / name
     if name == "a.fits":
@@ -172,11 +152,7 @@ def test_truncated_files_are_refused_in_silence(tmp_path, name, capfd):
     elif name == "a.hdr":
         path.write_bytes(radiance_hdr(60, 50, (128, 64, 32, 129)))
     elif name == "a.jpg":
-        spec = OpenImageIO.ImageSpec(50, 60, 1, "uint8")
-        output = OpenImageIO.ImageOutput.create(str(path))
-        output.open(str(path), spec)
-        output.write_image(rng.integers(0, 255, (60, 50, 1), dtype=np.uint8))
-        output.close()
+        by_openimageio(path, rng.integers(0, 255, (60, 50), dtype=np.uint8))
     else:
         dtype = "uint16" if name == "a.png" else "float"
         scale = {"low": 0, "high": 1} if name == "a.png" else {}
