@@ -117,7 +117,8 @@ class ParameterError(InputError):
     ) -> None:
         unit = unit_of(parameter) if unit is None and not also else unit
         self.parameters = (parameter, *also)
-        rule = requirement(allowed)
+        # It is a range or a noun, or a clause already.
+        rule = f"must be {allowed}" if _RANGE.match(allowed) else allowed
         if value is None:
             verb = "are" if also else "is"
             its_unit = f" ({unit})" if unit and unit != unit_of(parameter) else ""
@@ -141,11 +142,6 @@ _RANGE = re.compile(
     r"(?:an?|one|two|true|single|finite|equal|numbers?|points|above|below|from|within"
     r"|at (?:least|most)|large enough)\b|[-(]?\d"
 )
-
-
-def requirement(allowed: str) -> str:
-    """What a value must be, as a clause; `allowed` is a range, a noun, or a clause already."""
-    return f"must be {allowed}" if _RANGE.match(allowed) else allowed
 
 
 def _shown(value: object) -> str:

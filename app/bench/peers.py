@@ -22,8 +22,8 @@ from app.bench.truth import Sensor
 from app.run.terminal import version
 from core.evaluation.work import Policy, Precision
 from core.records import dataclass
-from core.transfer.factors import Planar
-from core.transfer.planar_blocks import Axes, Known
+from core.transfer.factors import Edges, Planar
+from core.transfer.planar_blocks import Known
 
 Array = NDArray[Any]
 Deliver = Callable[[Array], Array]
@@ -105,7 +105,7 @@ def _delivered(task: Task, build: Callable[[Task], Deliver], settings: Settings)
 class Ours(Chain):
     """The frame through our aperture and pixel; nothing computed before, or the OTF known."""
 
-    def __init__(self, edges: str, precision: Precision, known: bool, task: Task) -> None:
+    def __init__(self, edges: Edges, precision: Precision, known: bool, task: Task) -> None:
         across = float(np.degrees(task.size * task.interval_mrad * 1e-3))
         init = {"focal_length_mm": task.focal_length_mm, "detector_x_um": task.pixel_um}
         scene = {"kind": "uniform", "width": task.size, "height": task.size}
@@ -121,9 +121,8 @@ class Ours(Chain):
             plan = self.engine.plan(network)
             factor = plan.output("optics.mtf").factors[0]
             assert isinstance(factor, Planar)
-            axes: Axes = "mirrored" if edges == "reflect" else "periodic"
             grid = plan.output("init.context").grid
-            self.note = self.work.value(Known(factor, grid, axes, node=factor.node)).description
+            self.note = self.work.value(Known(factor, grid, edges, node=factor.node)).description
         self._known = self.store.keys()
 
     def __call__(self, frame: Array) -> Array:

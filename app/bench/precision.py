@@ -122,15 +122,16 @@ class Otf:
 
     def direct(self) -> float:
         """Seconds of evaluating it at every frequency, with nothing computed before."""
-        xi, eta = self.grid.xi_mirrored()[np.newaxis, :], self.grid.eta_mirrored()[:, np.newaxis]
-        return self.of_blocks(lambda rows: self.factor.transfer(self.kodak.work, xi, eta[rows]))
+        xi, eta = self.grid.axes("reflect")
+        across, along = xi[np.newaxis, :], eta[:, np.newaxis]
+        return self.of_blocks(lambda at: self.factor.transfer(self.kodak.work, across, along[at]))
 
     def plane(self) -> float:
         """Seconds of the plane as a picture's filter takes it."""
         return self.of_blocks(self.planes().block)
 
     def planes(self) -> Planes:
-        return Planes(self.kodak.work, Product([self.factor]), self.grid, "mirrored")
+        return Planes(self.kodak.work, Product([self.factor]), self.grid, "reflect")
 
     def of_blocks(self, block: Callable[[slice], object], *, known: bool = False) -> float:
         """Seconds of all blocks of rows, with an empty store unless it is `known`."""
@@ -143,7 +144,7 @@ class Otf:
 
     def lags_mm(self) -> tuple[Array, Array]:
         rows, columns = places_of(self.grid.rows)
-        xi, eta = self.grid.xi_mirrored()[columns], self.grid.eta_mirrored()[rows]
+        xi, eta = self.grid.axes("reflect")[0][columns], self.grid.axes("reflect")[1][rows]
         return WAVELENGTH_UM * xi, WAVELENGTH_UM * eta
 
     def error(self, shape: str) -> float:

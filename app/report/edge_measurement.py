@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from app.report.drawing.picture_drawing import COLOURS, figure, named, short
 from app.report.html_page import Block, Drawn, Grid, Heading, Text
 from app.run.evaluation import Evaluation
-from core.chain.frame_sequence import Remaking
+from core.chain.random_fields import Remaking
 from core.chain.step_lineage import Axis, Linear, PlaceDependent, lineage_of, source_step
 from core.chain.wires import Image
 from core.errors import FAULTS, DataError, ImagechainError

@@ -192,7 +192,7 @@ def _evaluate_output(plan: Plan, port: str, work: Work) -> None:
     with placed(name):
         if isinstance(value, Transfer | Magnitude | Phase) and not sampled:
             # The plane is not used: its factors on two lines show whether it can be made.
-            response(work, value.factors, value.grid.xi_half(), "x")
+            response(work, value.factors, value.grid.axes("periodic")[0], "x")
             response(work, value.factors, value.grid.eta(), "y")
         elif value is not None:
             realize(value, work)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from core.atomic import atomic_file, write_bytes, write_text
 from core.chain.engine import realize
-from core.chain.frame_sequence import at_frame
+from core.chain.random_fields import at_frame
 from core.chain.wires import Context, Curve, CurveData, Image, Table, TableData
 from core.errors import UsageError
 from core.evaluation.recipes import Region, number_bits

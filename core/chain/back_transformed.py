@@ -25,7 +25,7 @@ from core.records import dataclass, field, replace
 from core.transfer import periodic
 from core.transfer.factors import Edges, Factor, Grid, Product, Skipped, spend
 from core.transfer.mirrored import MeanFree, mirrored_filter, mirrored_spectrum
-from core.transfer.planar_blocks import Axes, axes_of, known_planes
+from core.transfer.planar_blocks import known_planes
 
 BinMode = Literal["mean", "sum"]
 
@@ -50,16 +50,8 @@ def back_transform(magnitude: Magnitude, phase: Phase, *, node: str | None = Non
     made = Image(recipe, *grid.shape, *interval, unit="", edges=recipe.edges, bands=bands)
     if like is None:
         return made
-    return replace(
-        made,
-        unit=like.unit,
-        band_um=like.band_um,
-        camera=like.camera,
-        pixel_mrad=like.pixel_mrad,
-        air=like.air,
-        responses=like.responses,
-        vignetting=like.vignetting,
-    )
+    carried = ("unit", "band_um", "camera", "pixel_mrad", "air", "responses", "vignetting")
+    return replace(made, **{name: getattr(like, name) for name in carried})
 
 
 def _bands_of(recipe: "Delivered") -> "DeliveredBands | None":
@@ -105,9 +97,8 @@ class Delivered(Recipe):
     def needs(self) -> tuple[Recipe, ...]:
         """The picture's spectrum in its place, and the stored planar factors."""
         product = Product(self._factors)
-        axes: Axes = "mirrored" if self.mirrored else "periodic"
         sources = self._spectra if self.one_source else self._pictures
-        return (*self.bound, *known_planes(product, self.magnitude.grid, axes), *sources)
+        return (*self.bound, *known_planes(product, self.magnitude.grid, self.edges), *sources)
 
     def first(self, work: Work) -> tuple[Recipe, ...]:
         """The same, without the picture where its spectrum is in the store."""
@@ -137,9 +128,8 @@ class Delivered(Recipe):
         """The sum of bands behind the factors that depend on wavelength."""
         assert self.weights is not None
         factors = spectral_of((*self.magnitude.factors, *self._phase_factors()))[0]
-        axes: Axes = "mirrored" if self.mirrored else "periodic"
         grid = self.magnitude.grid
-        return FilteredSum(self.bands, self.weights, factors, grid, axes, self.node)
+        return FilteredSum(self.bands, self.weights, factors, grid, self.edges, self.node)
 
     @property
     def _factors(self) -> tuple[Factor, ...]:
@@ -210,11 +200,9 @@ class Delivered(Recipe):
         return 0.5 + 0.5 * part
 
     def compute_part(self, work: Work, region: Region) -> Array:
-        """The same, the second half of the transform for the region alone."""
         return self.compute(work, region)
 
     def compute(self, work: Work, region: Region | None = None) -> Array:
-        """One multiplication of the spectrum and one inverse transform."""
         factors, _ = self.spent(work)
         if not self.one_source:
             return self._filtered(work, self._crossed(work), factors, region)
@@ -262,8 +250,7 @@ class Delivered(Recipe):
 
     def spent(self, work: Work) -> tuple[tuple[Factor, ...], tuple[Skipped, ...]]:
         """Factors that count within the error budget, and those left out."""
-        axes: Axes = "mirrored" if self.mirrored else "periodic"
-        xi, eta = axes_of(self.magnitude.grid, axes)
+        xi, eta = self.magnitude.grid.axes(self.edges)
         rank = self.rank(work)
         return spend(work, self._factors, xi, eta, spent=0.0 if rank is None else rank.bound)
 

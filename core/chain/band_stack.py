@@ -22,10 +22,10 @@ from core.evaluation.recipes import Recipe, Step, content_key, ends_lineage, in_
 from core.evaluation.work import Work
 from core.machine import StripArray
 from core.records import dataclass, field, replace
-from core.transfer.factors import Factor, Grid, Law, Planar, Product
+from core.transfer.factors import Edges, Factor, Grid, Law, Planar, Product
 from core.transfer.mirrored import BLOCK_SAMPLES, MeanFree, mirrored_spectrum
 from core.transfer.periodic import periodic_spectrum
-from core.transfer.planar_blocks import Axes, Planes
+from core.transfer.planar_blocks import Planes
 
 Row = tuple[float, ...]
 """A weight for every band."""
@@ -273,9 +273,7 @@ def band_mean_otf(*, laws: tuple[Law, ...], shares: Array, **frequencies: Array)
     return np.asarray(total)
 
 
-def over_bands(
-    factor: Planar, bands: BandStack, weights: Row, *, node: str | None = None
-) -> Planar:
+def over_bands(factor: Planar, bands: BandStack, weights: Row) -> Planar:
     """A factor as the mean over a picture's bands, by the light that the weights count.
 
     A factor that does not depend on wavelength is left as it is; so is one whose laws hold recipes.
@@ -285,7 +283,7 @@ def over_bands(
     laws = tuple(factor.by_wavelength.at(wavelength) for wavelength in bands.centres_um)
     if any(law.inputs for law in laws):
         return factor
-    shares = Step.of(_shares, bands.means(), node=node, weights=weights)
+    shares = Step.of(_shares, bands.means(), node=factor.node, weights=weights)
     return replace(factor, law=Law.of(band_mean_otf, laws=laws, shares=shares))
 
 
@@ -294,10 +292,7 @@ def weighted_factors(
 ) -> tuple[Factor, ...]:
     """Every factor as the mean over a picture's bands."""
     return tuple(
-        over_bands(factor, bands, weights, node=factor.node)
-        if isinstance(factor, Planar)
-        else factor
-        for factor in factors
+        over_bands(one, bands, weights) if isinstance(one, Planar) else one for one in factors
     )
 
 
@@ -492,7 +487,7 @@ class FilteredSum(Recipe):
     weights: Row
     factors: tuple[Planar, ...]
     grid: Grid
-    axes: Axes
+    axes: Edges
     node: str | None = field(default=None, compare=False)
 
     def _content(self) -> tuple[object, ...]:
@@ -531,7 +526,7 @@ class FilteredSum(Recipe):
 
     @property
     def _transform(self) -> Callable[..., MeanFree]:
-        return mirrored_spectrum if self.axes == "mirrored" else periodic_spectrum
+        return mirrored_spectrum if self.axes == "reflect" else periodic_spectrum
 
     @cached_property
     def recipes(self) -> tuple[Recipe, ...]:

@@ -368,7 +368,6 @@ def _passed(described: Declaration, inputs: Mapping[str, Any]) -> dict[str, Any]
 
 
 def bands_of(value: Any) -> BandStack | None:
-    """Bands of the picture on a wire."""
     image = value.image if isinstance(value, SpectrumWire) else value
     return image.bands if isinstance(image, Image) else None
 
@@ -389,30 +388,6 @@ def sum_caution(
         "does, or leave this node out",
         node,
     )
-
-
-# One value of a transfer function, for read-outs.
-
-
-@dataclass(frozen=True, eq=False)
-class TransferAt(Recipe):
-    """MTF or PTF (rad) at one frequency pair, cycles/mrad."""
-
-    transfer: Transfer
-    xi: float
-    eta: float
-    node: str | None = None
-
-    @property
-    def inputs(self) -> tuple[Recipe, ...]:
-        return tuple(self.transfer.recipes)
-
-    def _content(self) -> tuple[object, ...]:
-        return self.transfer.key, self.xi, self.eta
-
-    def compute(self, work: Work) -> float:
-        xi, eta = np.array([self.xi]), np.array([self.eta])
-        return float(transfer_plane(work, self.transfer, xi, eta)[0, 0])
 
 
 # Making arrays of what is on a wire, in the form that a viewer or a file needs.

@@ -21,8 +21,7 @@ from core.arrays import Array, Matrix, Vector
 from core.evaluation.work import Work
 from core.physics.noise.noise_components import Moments
 from core.records import dataclass, replace
-from core.transfer.factors import Factor, Grid, Product, nyquist_lines
-from core.transfer.planar_blocks import Axes, axes_of
+from core.transfer.factors import Edges, Factor, Grid, Product, nyquist_lines
 
 Operator = Callable[[Array], Array]
 
@@ -38,8 +37,8 @@ class NoisePower:
     power : ndarray
         Variances that broadcast to (rows, columns): of the cosines k = 0 … n − 1 of a mirrored
         frame, in FFT order of a periodic one. Their mean is the variance of a sample.
-    axes : "mirrored" or "periodic"
-        Which waves.
+    axes : "reflect" or "periodic"
+        Which waves: those of a frame mirrored at its edges, or repeated.
     variances : ndarray, optional
         Of the samples, where these are independent but not alike: `power` is their mean then.
     along, across : ndarray, optional
@@ -49,7 +48,7 @@ class NoisePower:
     rows: int
     columns: int
     power: Array
-    axes: Axes = "mirrored"
+    axes: Edges = "reflect"
     variances: Array | None = None
     along: Array | None = None
     across: Array | None = None
@@ -91,11 +90,11 @@ class NoisePower:
         return replace(self, power=self.power * factor**2, variances=variances)
 
     def filtered(
-        self, work: Work, factors: tuple[Factor, ...], grid: Grid, axes: Axes
+        self, work: Work, factors: tuple[Factor, ...], grid: Grid, axes: Edges
     ) -> NoisePower:
         """Behind transfer functions on a frame of these edges."""
         product = Product(factors)
-        xi, eta = (grid.xi(), grid.eta()) if axes == "periodic" else axes_of(grid, axes)
+        xi, eta = (grid.xi(), grid.eta()) if axes == "periodic" else grid.axes(axes)
         changed = self.on(axes)
         if axes == "periodic" and not product.symmetric:
             # At Nyquist the Hermitian part of all factors together acts, which has no axes.
@@ -118,8 +117,11 @@ class NoisePower:
         """Behind the mean of blocks of pixels; what is left over is cropped."""
         changed = self
         for axis, factor in ((0, factor_y), (1, factor_x)):
-            if factor > 1:
-                changed = changed._averaged(axis, factor)
+            size, matrix = changed._size(axis), changed._matrix(axis)
+            if factor > 1 and (size % factor or matrix is not None):
+                changed = changed.operated(axis, _block_mean(factor), size // factor)
+            elif factor > 1:
+                changed = changed._folded(axis, factor, average=True)
         return changed
 
     def sampled(self, factor_x: int, factor_y: int) -> NoisePower | None:
@@ -149,9 +151,9 @@ class NoisePower:
                 changed = changed.operated(axis, operator, new[axis])
         return changed
 
-    def on(self, axes: Axes) -> NoisePower:
+    def on(self, axes: Edges) -> NoisePower:
         """On the waves of other edges."""
-        if self.variances is not None and axes == "mirrored":
+        if self.variances is not None and axes == "reflect":
             return replace(self, power=_cosine_variances(self.variances), axes=axes, variances=None)
         if axes == self.axes or (self.power.shape == (1, 1) and self._plain):
             return replace(self, axes=axes, variances=None)
@@ -172,7 +174,7 @@ class NoisePower:
 
     def _filtered(self, axis: int, response: Array) -> NoisePower:
         size, matrix = len(response), self._matrix(axis)
-        if self.axes == "mirrored" and np.iscomplexobj(response):
+        if self.axes == "reflect" and np.iscomplexobj(response):
             made = np.eye(size) if matrix is None else matrix
             return self._with(axis, size, _cosines_of(_behind(made, response)))
         if self.axes == "periodic" and size % 2 == 0:
@@ -184,13 +186,6 @@ class NoisePower:
         power = self.power * np.expand_dims(np.abs(response) ** 2, 1 - axis)
         return replace(self, power=power, variances=None)
 
-    def _averaged(self, axis: int, factor: int) -> NoisePower:
-        size, matrix = self._size(axis), self._matrix(axis)
-        new = size // factor
-        if size % factor or matrix is not None:
-            return self.operated(axis, _block_mean(factor), new)
-        return self._folded(axis, factor, average=True)
-
     def _folded(self, axis: int, factor: int, *, average: bool) -> NoisePower:
         """Whole blocks carry each wave to one wave, and no matrix is needed."""
         size = self._size(axis)
@@ -201,7 +196,7 @@ class NoisePower:
         if average:
             kernel[1:] = np.sin(factor * step[1:]) / (factor * np.sin(step[1:]))
         target = number % new
-        if self.axes == "mirrored":
+        if self.axes == "reflect":
             target = np.abs((number + new) % (2 * new) - new)
             if not average:
                 # The mean's wave is not a cosine's: its norm is half of theirs.
@@ -217,7 +212,7 @@ class NoisePower:
         return made._with(axis, new, None)
 
     def operated(
-        self, axis: int, operator: Operator, new: int | None = None, axes: Axes | None = None
+        self, axis: int, operator: Operator, new: int | None = None, axes: Edges | None = None
     ) -> NoisePower:
         """Behind an operator on the samples of an axis, taken to the waves of these edges."""
         size, matrix = self._size(axis), self._matrix(axis)
@@ -233,7 +228,7 @@ class NoisePower:
         return replace(self, columns=size, across=matrix, variances=None)
 
 
-def _samples_of(amplitudes: Array, axes: Axes) -> Array:
+def _samples_of(amplitudes: Array, axes: Edges) -> Array:
     """Samples of columns of waves' amplitudes."""
     if axes == "periodic":
         return np.asarray(kernels.ifft(amplitudes, axis=0, norm="ortho"))
@@ -253,7 +248,7 @@ def _each_part(values: Array, transform: Operator) -> Array:
 
 def _behind(amplitudes: Array, response: Array) -> Array:
     """Samples of cosines behind R + iI: each becomes R·cos − I·sin."""
-    even = _samples_of(response.real[:, np.newaxis] * amplitudes, "mirrored")
+    even = _samples_of(response.real[:, np.newaxis] * amplitudes, "reflect")
     # Sine k stands at index k − 1 of the DST-II; wave 0 has none.
     odd = np.zeros_like(amplitudes)
     odd[:-1] = response.imag[1:, np.newaxis] * amplitudes[1:]
@@ -319,12 +314,12 @@ def spectrum_of(powers: list[NoisePower], cells: int = CELLS) -> Vector | None:
     return total if total is not None and total.sum() > 0.0 else None
 
 
-def _shares(size: int, axes: Axes, cells: int) -> Vector:
+def _shares(size: int, axes: Edges, cells: int) -> Vector:
     """Share that each wave has in the mean over each cell, shape (cells, waves).
 
     A wave stands for the frequencies nearer to its own than to its neighbours'.
     """
-    if axes == "mirrored":
+    if axes == "reflect":
         place = np.arange(size) / size  # of Nyquist's frequency
         twice = np.ones(size)
         order = np.arange(size)

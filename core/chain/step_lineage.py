@@ -47,13 +47,13 @@ from core.physics.sampling.detector_sampling import (
 from core.records import dataclass, replace
 from core.transfer.factors import Edges, Factor, Grid, Law, Separable, factor_at
 from core.transfer.periodic import sampled_columns
-from core.transfer.planar_blocks import Axes
 
 # Linear changes of a picture: what they do to sampling, contrast, noise and an edge's row.
 #
 # `Linear` leaves all as it is. A step whose change is none of those below derives a class of its
 # own beside its function, and overrides what it changes.
 
+Array = NDArray[Any]
 Vector = NDArray[np.float64]
 Axis = Literal["x", "y"]
 
@@ -157,8 +157,7 @@ class Filtering(Linear):
         return tuple(replace(factor, label=self.label, node=node) for factor in self.factors)
 
     def noise(self, work: Work, power: NoisePower) -> NoisePower:
-        axes: Axes = "mirrored" if self.edges == "reflect" else "periodic"
-        return power.filtered(work, self.factors, self.grid, axes)
+        return power.filtered(work, self.factors, self.grid, self.edges)
 
     def row(self, work: Work, row: Vector, axis: Axis) -> Vector:
         """The row filtered; mirrored at its ends, or repeated."""
@@ -236,7 +235,7 @@ class LineOperator(Linear, ABC):
     axis: Axis
 
     @abstractmethod
-    def applied(self, lines: NDArray[Any]) -> NDArray[Any]:
+    def applied(self, lines: Array) -> Array:
         """Along the first axis of lines, shape (samples, lines), that may be complex."""
 
     def noise(self, work: Work, power: NoisePower) -> NoisePower:
@@ -319,8 +318,7 @@ class PixelSamples(Linear):
     def noise(self, work: Work, power: NoisePower) -> NoisePower:
         """Folded: a sample's variance stays, and so it does between samples on average."""
         if self.folds:
-            axes: Axes = "mirrored" if self.edges == "reflect" else "periodic"
-            folded = power.on(axes).sampled(round(self.ratio_x), round(self.ratio_y))
+            folded = power.on(self.edges).sampled(round(self.ratio_x), round(self.ratio_y))
             if folded is not None:
                 return folded
         across, along = (
@@ -341,7 +339,6 @@ class PixelSamples(Linear):
 
 # Noise where a step adds it: its name, whether it changes in time, its power.
 
-Array = NDArray[Any]
 F = TypeVar("F", bound=Callable[..., Any])
 
 

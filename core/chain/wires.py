@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from core.arrays import Array
 from core.chain.band_stack import BandStack
 from core.errors import DataError, NetworkError, require_finite
-from core.evaluation.recipes import Recipe, content_key, ends_lineage
+from core.evaluation.recipes import Recipe, Step, content_key, ends_lineage
 from core.evaluation.work import Work
 from core.physics.atmosphere.air_path import AirPath
 from core.physics.detector.detectivity import ResponseCurve
@@ -285,8 +285,10 @@ class SpectrumWire:
         """Key of the factors, made one by one so that a longer chain goes on from it."""
         return _chained("", self.factors)
 
-    def _further(self, factors: tuple[Factor, ...]) -> Self:
+    def _further(self, *factors: Factor) -> Self:
         """With further factors, whose keys alone are hashed."""
+        if not factors:
+            return self
         count = len(self.factors) + len(factors)
         if count > MOST_STAGES:
             raise NetworkError(
@@ -319,9 +321,7 @@ class Magnitude(SpectrumWire):
     """The modulus of an image's spectrum with the MTF factors collected so far."""
 
     port_type: ClassVar[str] = "magnitude"
-
-    def times(self, *factors: Factor) -> "Magnitude":
-        return self._further(factors) if factors else self
+    times = SpectrumWire._further
 
 
 @dataclass(frozen=True)
@@ -329,9 +329,7 @@ class Phase(SpectrumWire):
     """The phase of an image's spectrum with the PTF factors collected so far."""
 
     port_type: ClassVar[str] = "phase"
-
-    def plus(self, *factors: Factor) -> "Phase":
-        return self._further(factors) if factors else self
+    plus = SpectrumWire._further
 
 
 @dataclass(frozen=True)
@@ -362,6 +360,11 @@ class Transfer:
     def recipes(self) -> tuple[Recipe, ...]:
         own = (self.own,) if self.own is not None else ()
         return (*own, *_bound(self.factors))
+
+    def at(self, axis: str, frequency: float) -> Step:
+        """Recipe of the MTF or PTF (rad) at one frequency along an axis, cycles/mrad."""
+        how: Any = {"transfer": self, "axis": axis, "frequency": frequency}
+        return Step.of(_value_at, *self.recipes, **how)
 
 
 @dataclass(frozen=True)
@@ -509,6 +512,13 @@ def transfer_plane(
         else:
             plane[place] = acts
     return plane
+
+
+@ends_lineage
+def _value_at(work: Work, *_: Any, transfer: Transfer, axis: str, frequency: float) -> float:
+    at, zero = np.array([frequency]), np.zeros(1)
+    xi, eta = (at, zero) if axis == "x" else (zero, at)
+    return float(transfer_plane(work, transfer, xi, eta)[0, 0])
 
 
 def _plane(work: Work, factors: tuple[Factor, ...], phase: bool, xi: Array, eta: Array) -> Array:

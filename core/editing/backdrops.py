@@ -42,7 +42,6 @@ def backdrops_of(network: Network) -> tuple[Backdrop, ...]:
 
 
 def add(network: Network, backdrop: Backdrop) -> Operation:
-    """Put a backdrop before the others."""
     entries = [*_entries(network), _entry({}, backdrop)]
     return operations.set_network_field(FIELD, entries, "Add backdrop")
 
@@ -56,7 +55,6 @@ def change(network: Network, index: int, backdrop: Backdrop) -> Operation:
 
 
 def remove(network: Network, index: int) -> Operation:
-    """Take a backdrop away; the nodes on it stay."""
     entries = _entries(network)
     del entries[_place(network, index)]
     return operations.set_network_field(FIELD, entries or operations.ABSENT, "Delete backdrop")
@@ -287,7 +285,6 @@ def add_dot(network: Network, link: Link, index: int, at: Point) -> Operation:
 
 
 def move_dot(network: Network, link: Link, index: int, at: Point) -> Operation:
-    """Put a dot elsewhere."""
     points = list(dots_of(network).get(link, ()))
     points[index] = at
     return with_dots(network, {link: tuple(points)}, f"Move the dot of {link}")
@@ -301,12 +298,10 @@ def remove_dot(network: Network, link: Link, index: int) -> Operation:
 
 
 def straighten(network: Network, links: Iterable[Link], label: str = "") -> Operation:
-    """Take all dots of these wires away."""
     return with_dots(network, dict.fromkeys(links, ()), label or "Straighten the wire")
 
 
 def with_dots(network: Network, dots: Dots, label: str) -> Operation:
-    """Give wires these dots in the place of theirs."""
     there = _entries(network, operations.WIRE_DOTS)
     entries = [entry for entry in there if operations.dots_entry_link(entry) not in dots]
     entries += _as_field(dots)
@@ -339,7 +334,6 @@ def moved_with_dots(network: Network, places: Mapping[str, Point], label: str = 
 
 
 def dots_among(network: Network, names: Collection[str]) -> dict[Link, tuple[Point, ...]]:
-    """The dots of the wires among these nodes."""
     return {
         link: points
         for link, points in dots_of(network).items()

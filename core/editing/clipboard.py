@@ -6,7 +6,7 @@ from types import MappingProxyType
 from typing import Any
 
 from core.editing.backdrops import dots_along, dots_among, joined_fields
-from core.editing.layout import Point, Sizes, arranged, free_places
+from core.editing.layout import Point, Sizes, arranged, box_of, free_places, hull, shifted
 from core.editing.operations import (
     ABSENT,
     WIRE_DOTS,
@@ -53,7 +53,9 @@ def pasted(
     part = _read(text, library)
     points = _points(part)
     if at is not None:
-        points = _centred(points, at)
+        left, top, right, bottom = hull(box_of(point, (0.0, 0.0)) for point in points.values())
+        by = round(at[0] - (left + right) / 2), round(at[1] - (top + bottom) / 2)
+        points = {name: shifted(point, by) for name, point in points.items()}
     return _adding(network, part, points, "Paste", {}, sizes)
 
 
@@ -124,13 +126,6 @@ def _points(part: Network) -> dict[str, Point]:
     ):
         return arranged(replace(part, layout={}), {})
     return points
-
-
-def _centred(points: Mapping[str, Point], at: Point) -> dict[str, Point]:
-    xs, ys = zip(*points.values(), strict=True)
-    x = round(at[0] - (min(xs) + max(xs)) / 2)
-    y = round(at[1] - (min(ys) + max(ys)) / 2)
-    return {name: (px + x, py + y) for name, (px, py) in points.items()}
 
 
 def _adding(

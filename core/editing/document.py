@@ -90,7 +90,6 @@ class Document:
 
     @property
     def modified(self) -> bool:
-        """Whether there is work that no file holds."""
         return self.saved != self.position
 
     def line(self, position: int) -> str:
@@ -215,7 +214,6 @@ GONE = ""
 
 
 def mark(content: bytes) -> str:
-    """A digest that distinguishes this content from any other."""
     return hashlib.sha256(content).hexdigest()
 
 

@@ -24,17 +24,14 @@ _GAIN = 1.1  # how much larger all must become for another row
 
 
 def size_of(name: str, sizes: Sizes) -> Size:
-    """Width and height of a node, by its id."""
     return sizes.get(name, _NODE_SIZE)
 
 
 def box_of(at: Point, size: Size) -> Box:
-    """What a node of that size takes up at a point."""
     return at[0], at[1], at[0] + size[0], at[1] + size[1]
 
 
 def boxes_of(points: Mapping[str, Point], sizes: Sizes) -> dict[str, Box]:
-    """What every node with a point takes up."""
     return {name: box_of(at, size_of(name, sizes)) for name, at in points.items()}
 
 
@@ -45,7 +42,6 @@ def hull(boxes: Iterable[Box]) -> Box:
 
 
 def shifted(at: Point, by: Point) -> Point:
-    """The point, so much further right and down."""
     return at[0] + by[0], at[1] + by[1]
 
 
@@ -258,7 +254,6 @@ WAYS: tuple[Way, ...] = get_args(Way)
 
 
 def aligned(network: Network, names: Collection[str], sizes: Sizes, edge: Edge) -> dict[str, Point]:
-    """Points with which an edge of the nodes is in line with that of the outermost one."""
     points = {name: network.layout[name] for name in names if name in network.layout}
     if len(points) < 2:
         return {}

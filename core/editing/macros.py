@@ -47,7 +47,6 @@ def at_level(path: tuple[str, ...], operation: Operation) -> Operation:
 
 
 def parameters_of(body: Network) -> dict[str, Any]:
-    """The parameters a macro shows, as its file has them."""
     return dict(thaw(body.extra.get(PARAMETERS, {})))
 
 
@@ -104,7 +103,6 @@ def hide(network: Network, macro: str, name: str, value_of: Callable[[str, str],
 
 
 def rename_exposed(network: Network, macro: str, old: str, new: str) -> Operation:
-    """Give a parameter that a macro shows another name, wherever it is mentioned."""
     *outer, name = path_of(network, macro)
     rename = partial(_with_exposed_renamed, macro=name, old=old, new=new)
     return at_level(tuple(outer), Operation(rename, f"Rename {name}.{old} to {new}"))

@@ -55,7 +55,6 @@ class Operation:
 
 
 def together(operations: Sequence[Operation], label: str = "") -> Operation:
-    """Several operations as one."""
     more = len(operations) - 1
     if operations and not label:
         label = operations[0].text + (f" and {more} more" if more else "")
@@ -90,7 +89,6 @@ def with_field(fields: Mapping[str, Any], name: str, value: Any) -> dict[str, An
 
 
 def named(names: Sequence[str]) -> str:
-    """One name, or how many there are."""
     return names[0] if len(names) == 1 else f"{len(names)} nodes"
 
 
@@ -260,7 +258,6 @@ def exposed_as(network: Network, node: str, parameter: str) -> str:
 
 
 def body_of(network: Network, macros: Sequence[str]) -> Network:
-    """The inside of the last macro of a path."""
     for macro in macros:
         body = network.node(macro).macro
         if body is None:
@@ -317,8 +314,6 @@ def add_nodes(
 
 
 def remove_nodes(names: Sequence[str], label: str = "") -> Operation:
-    """Take nodes out, with their links and every mention of them."""
-
     def apply(network: Network) -> Network:
         for name in names:
             network.node(name)
@@ -335,8 +330,6 @@ def remove_nodes(names: Sequence[str], label: str = "") -> Operation:
 
 
 def move_nodes(positions: Mapping[str, Point], label: str = "") -> Operation:
-    """Put nodes at points of the canvas."""
-
     def apply(network: Network) -> Network:
         for name in positions:
             network.node(name)
@@ -353,7 +346,6 @@ def rename_node(old: str, new: str) -> Operation:
         return inside(step[0], rename_node(step[1], new)) if step else None
 
     def moved(network: Network) -> Mapping[str, str]:
-        """The node's name, and those of nodes inside of it."""
         if inner := within(network):
             return inner.moved(network)
         names = of_nodes([old], network.nodes)
@@ -427,7 +419,6 @@ def mark_output(nodes: tuple[str, ...]) -> Operation:
 
 
 def output_toggled(network: Network, library: Library, name: str) -> Operation:
-    """What marks a node as the output, or takes its mark away."""
     node = network.node(name)
     if name in network.output_nodes or (node.macro is not None and node.macro.marked):
         return mark_output(())
@@ -499,7 +490,6 @@ def dropped(extra: Mapping[str, Any], gone: set[str]) -> dict[str, Any]:
 
 
 def without_dots(extra: Mapping[str, Any], gone: Collection[Link]) -> dict[str, Any]:
-    """The fields without the dots of these wires."""
     fields, links = dict(extra), _links_of_dots(extra)
     if any(link in gone for link in links if link is not None):
         entries = zip(thaw(fields[WIRE_DOTS]), links, strict=True)
@@ -525,7 +515,6 @@ def _with_face_of(
 
 
 def dots_entry_link(entry: Any) -> Link | None:
-    """The wire that an entry of the field of dots names; None where it names none."""
     ends = entry.get("link") if isinstance(entry, Mapping) else None
     if not isinstance(ends, tuple | list) or len(ends) != 2:
         return None

@@ -31,7 +31,6 @@ from core.records import dataclass
 
 
 def refusal(network: Network, library: Library, link: Link) -> str | None:
-    """Why `link` cannot be made; None where it can."""
     wrong = misfit(network, library, link)
     if wrong is not None:
         return wrong
@@ -105,7 +104,6 @@ def way_between(network: Network, start: str, end: str) -> tuple[str, ...] | Non
 
 
 def declared(network: Network, library: Library, name: str) -> Declaration | None:
-    """The declaration of a node's module; None of an unknown module or node."""
     node = network.nodes.get(name)
     return declared_node(node, library) if node is not None else None
 
@@ -127,7 +125,6 @@ _FEW = ("context", "pupil")  # a network has few, every module takes the same, n
 
 
 def outputs_of(network: Network, library: Library, kind: str) -> list[Output]:
-    """Every output that gives values of a type."""
     return [
         (name, port.name)
         for name in network.nodes
@@ -161,35 +158,16 @@ def side_links(
 
 
 def port_of(ports: Iterable[Port], kind: str) -> Port | None:
-    """The first port of a type."""
     return next((port for port in ports if kind in port.types), None)
-
-
-def wire_beside(network: Network, library: Library, link: Link, kind: str) -> Link | None:
-    """The one wire of a type that runs beside a link: from the same node, or to the same."""
-    candidates = [
-        other
-        for other in network.links
-        if other != link
-        and (other.source == link.source or other.target == link.target)
-        and kind in _types(network, library, other)
-    ]
-    if len(candidates) > 1:
-        candidates = [other for other in candidates if (other.source, other.target) == _nodes(link)]
-    return candidates[0] if len(candidates) == 1 else None
 
 
 def _types(network: Network, library: Library, link: Link) -> tuple[str, ...]:
     """What a link brings, as its source has it; else as its target takes it."""
-    source, target = (declared(network, library, name) for name in _nodes(link))
+    source, target = (declared(network, library, one) for one in (link.source, link.target))
     port = source.output(link.output) if source else None
     if port is None and target:
         port = target.input(link.input)
     return port.types if port else ()
-
-
-def _nodes(link: Link) -> tuple[str, str]:
-    return link.source, link.target
 
 
 def inserted(network: Network, library: Library, link: Link, node: str) -> Operation | None:
@@ -261,7 +239,17 @@ def _partner(
     if kind not in (MAGNITUDE, PHASE):
         return None
     other = PARTNER[kind]
-    wire = wire_beside(network, library, link, other)
+    # The one that runs beside the link: from the same node, or to the same.
+    wires = [
+        one
+        for one in network.links
+        if one != link
+        and (one.source == link.source or one.target == link.target)
+        and other in _types(network, library, one)
+    ]
+    if len(wires) > 1:
+        wires = [one for one in wires if (one.source, one.target) == (link.source, link.target)]
+    wire = wires[0] if len(wires) == 1 else None
     ports = _way_through(network, library, node, other)
     if ports is None or wire is None or node in (wire.source, wire.target):
         return None
@@ -322,7 +310,6 @@ def bridged(library: Library, types: Collection[str]) -> Iterator[Bridge]:
 def new_node(
     network: Network, library: Library, module: str, at: Point | None
 ) -> tuple[str, Operation]:
-    """The name of a new node of a module, and what adds it."""
     if module not in library:
         raise NetworkError(no_module(module, library))
     name = fresh_name(local_key(module), network.nodes)

@@ -23,8 +23,6 @@ from numpy.typing import NDArray
 from core.errors import ParameterError
 from core.records import dataclass, field, fields, is_dataclass
 
-# A rectangle of a picture's samples, for when the rest of the picture is not needed.
-
 Array = NDArray[Any]
 
 

@@ -66,8 +66,6 @@ class Policy:
         return f"{self.precision}/{self.budget!r}"
 
 
-# Carrying recipes out: the store, the numerical policy, threads, progress and cancelling.
-
 Shape = tuple[int, int]
 Progress = Callable[[str | None], None]
 DEEPEST = 24

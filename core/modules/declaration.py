@@ -21,22 +21,12 @@ import dataclasses
 import inspect
 import re
 import types
+import typing
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import cache
 from pathlib import Path
 from types import MappingProxyType
-from typing import (
-    TYPE_CHECKING,
-    Annotated,
-    Any,
-    ClassVar,
-    Literal,
-    Union,
-    dataclass_transform,
-    get_args,
-    get_origin,
-    get_type_hints,
-)
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from core.errors import close, shown, unit_of
 from core.modules.parameters import (
@@ -201,7 +191,7 @@ def warning(
     return method
 
 
-@dataclass_transform(frozen_default=True, kw_only_default=True)
+@typing.dataclass_transform(frozen_default=True, kw_only_default=True)
 class Module:
     """Base of every module; a subclass with a `key` is one of the library.
 
@@ -289,14 +279,14 @@ def _derive(module: Any) -> Declaration:
 
 
 def _parameters(module: type[Module]) -> tuple[Parameter, ...]:
-    hints = get_type_hints(module, include_extras=True)
+    hints = typing.get_type_hints(module, include_extras=True)
     parameters = []
     for field in dataclasses.fields(module):  # type: ignore[arg-type]
         base, own = hints[field.name], field.metadata.get("param")
-        if own is None and get_origin(base) is not Annotated:
+        if own is None and typing.get_origin(base) is not typing.Annotated:
             allowed = "param(default, text), or Annotated[type, Param(...)]"
             raise TypeError(f"{module.__name__}.{field.name} needs {allowed}")
-        base, own = (base, own) if own is not None else get_args(base)[:2]
+        base, own = (base, own) if own is not None else typing.get_args(base)[:2]
         kind, choices, empty = _kind(base, own)
         parameters.append(
             Parameter(
@@ -313,14 +303,14 @@ def _parameters(module: type[Module]) -> tuple[Parameter, ...]:
 
 def _kind(base: Any, param: Param) -> tuple[Kind, tuple[Any, ...], bool]:
     empty = False
-    if get_origin(base) in (Union, types.UnionType):
-        members = [arg for arg in get_args(base) if arg is not type(None)]
-        empty, base = len(members) < len(get_args(base)), members[0]
+    if typing.get_origin(base) in (typing.Union, types.UnionType):
+        members = [arg for arg in typing.get_args(base) if arg is not type(None)]
+        empty, base = len(members) < len(typing.get_args(base)), members[0]
     if param.choices:
         return "choice", param.choices, empty
-    if get_origin(base) is Literal:
-        return "choice", get_args(base), empty
-    if get_origin(base) is tuple:
+    if typing.get_origin(base) is typing.Literal:
+        return "choice", typing.get_args(base), empty
+    if typing.get_origin(base) is tuple:
         return "numbers", (), empty
     kinds: dict[Any, Kind] = {bool: "switch", int: "integer", float: "number", str: "text"}
     if base is Path:
@@ -329,13 +319,17 @@ def _kind(base: Any, param: Param) -> tuple[Kind, tuple[Any, ...], bool]:
 
 
 def _types(hint: Any) -> tuple[tuple[str, ...], bool]:
-    members = get_args(hint) if get_origin(hint) in (Union, types.UnionType) else (hint,)
+    members = (
+        typing.get_args(hint)
+        if typing.get_origin(hint) in (typing.Union, types.UnionType)
+        else (hint,)
+    )
     names = tuple(m.port_type for m in members if m is not type(None))
     return names, type(None) not in members
 
 
 def _inputs(module: type[Module]) -> tuple[Port, ...]:
-    hints = get_type_hints(module.run)
+    hints = typing.get_type_hints(module.run)
     ports = []
     for name in list(inspect.signature(module.run).parameters)[1:]:
         if hints[name] is NodeContext:
@@ -346,10 +340,12 @@ def _inputs(module: type[Module]) -> tuple[Port, ...]:
 
 
 def _outputs(module: type[Module]) -> tuple[Port, ...]:
-    result = get_type_hints(module.run).get("return")
+    result = typing.get_type_hints(module.run).get("return")
     if result is None or result is type(None):
         return ()
-    return tuple(Port(name, _types(hint)[0]) for name, hint in get_type_hints(result).items())
+    return tuple(
+        Port(name, _types(hint)[0]) for name, hint in typing.get_type_hints(result).items()
+    )
 
 
 def _marked(module: type[Module], mark: str) -> Iterator[tuple[str, Any, str, tuple[str, ...]]]:
@@ -447,6 +443,5 @@ def where_absent(key: str, library: Library) -> str:
 
 
 def no_module(key: str, library: Library) -> str:
-    """Say that there is no such module, and why, or which one is similar."""
     absent = where_absent(key, library)
     return f"there is no module {shown(key)}{f': {absent}' if absent else close(key, library)}"

@@ -165,7 +165,6 @@ class Parameter:
 def coerce_all(
     parameters: tuple[Parameter, ...], values: Mapping[str, object], title: str
 ) -> dict[str, Any]:
-    """Coerce what is given and fill in the defaults."""
     names = [parameter.name for parameter in parameters]
     for name in values:
         if name not in names:
@@ -188,7 +187,6 @@ def coerce_all(
 
 
 def plain(value: Any) -> Any:
-    """The JSON form of a coerced value."""
     if isinstance(value, Path):
         return value.as_posix()
     if isinstance(value, tuple):

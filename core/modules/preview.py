@@ -220,12 +220,10 @@ def power_of_ten(exponent: int) -> str:
 
 
 def signed(text: str) -> str:
-    """With a true minus sign."""
     return text.replace("-", "\N{MINUS SIGN}")
 
 
 def kelvin(value: float) -> str:
-    """A small temperature in K or mK."""
     if value == 0 or abs(value) >= 0.1:
         return f"{brief(value)} K"
     return f"{brief(1e3 * value)} mK"
@@ -246,5 +244,4 @@ def pair(x: float, y: float, digits: int = 3) -> str:
 
 
 def not_connected(inputs: Iterable[str]) -> str:
-    """What is said in the place of what needs inputs that have no wire."""
     return f"not connected yet: {', '.join(inputs)}"

@@ -193,13 +193,11 @@ def quoted(node: str) -> str:
 
 
 def readable(parameter: str) -> bool:
-    """Whether an expression can name a parameter called so."""
     return _NAME.fullmatch(parameter) is not None
 
 
 @lru_cache(maxsize=512)
 def parse_expression(text: str) -> Expression:
-    """Read an expression."""
     if len(text) > LONGEST:
         raise ExpressionError(
             f"the expression has {len(text)} characters; at most {LONGEST} are allowed"
@@ -225,8 +223,6 @@ def rewritten(text: str, moved: Moved) -> str:
 
 
 class _Reader:
-    """Goes through the text once, from left to right."""
-
     def __init__(self, text: str) -> None:
         # One character for one: places in it are places in the text that was given.
         self.text = canonical(text.translate(_SIGNS))
@@ -456,8 +452,9 @@ def _called(name: str, _: Context, *taken: Number) -> Number:
     return _attempt(text, function, *values), units == "keeps" and has_unit
 
 
-_SUMS: Mapping[str, Function] = {"+": operator.add, "-": operator.sub}
-_OPERATIONS = {**_SUMS, "*": operator.mul, "/": operator.truediv, "^": math.pow}
+_OPERATIONS: Mapping[str, Function] = {
+    "+": operator.add, "-": operator.sub, "*": operator.mul, "/": operator.truediv, "^": math.pow
+}  # fmt: skip
 
 
 def _combined(sign: str, _: Context, left: Number, right: Number) -> Number:

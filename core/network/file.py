@@ -197,7 +197,11 @@ def read_json(text: str, source: str) -> Any:
     if len(text) > LARGEST:
         raise NetworkError(f"{source}: larger than {LARGEST >> 20} MiB, the limit for a network")
     try:
-        _check_depth(text)
+        depth = 0  # deep nesting is refused before parsing it can end the process on a small stack
+        for bracket in _BRACKET.findall(_STRING.sub("", text)):
+            depth += 1 if bracket in "[{" else -1
+            if depth > DEEPEST:
+                raise NetworkError(f"nested more than {DEEPEST} levels deep")
         data = json.loads(
             text.removeprefix("\ufeff"),
             object_pairs_hook=_object,
@@ -215,15 +219,6 @@ def read_json(text: str, source: str) -> Any:
     except NetworkError as error:
         raise NetworkError(f"{source}: {error.message}") from None
     return data
-
-
-def _check_depth(text: str) -> None:
-    """Refuse deep nesting before it is parsed, which on a small stack would end the process."""
-    depth = 0
-    for bracket in _BRACKET.findall(_STRING.sub("", text)):
-        depth += 1 if bracket in "[{" else -1
-        if depth > DEEPEST:
-            raise NetworkError(f"nested more than {DEEPEST} levels deep")
 
 
 def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
@@ -271,17 +266,9 @@ MIGRATIONS: tuple[Migration, ...] = (
 VERSION = 1 + len(MIGRATIONS)
 
 
-def least_version(network: Network) -> int:
-    """The oldest version that can hold the network, so that older readers open all they can."""
-    nodes = network.nodes.values()
-    newer = any(node.linked or node.macro is not None or node.noise for node in nodes)
-    return 2 if newer else 1
-
-
 def migrate(
     document: Document, version: int, migrations: tuple[Migration, ...] = MIGRATIONS
 ) -> Document:
-    """Turn a document of an older `version` into one of the newest."""
     for step in migrations[version - 1 :]:
         document = step(document)
     return document
@@ -437,8 +424,10 @@ def format_network(network: Network, *, library: Library) -> str:
     Nodes keep their order, links follow it; all else whose order means nothing is sorted. Points,
     links, expressions and lists of numbers take one line each.
     """
-    version = least_version(network)
-    document: dict[str, Any] = {"format": FORMAT, "version": version, "name": network.name}
+    nodes = network.nodes.values()
+    newer = any(node.linked or node.macro is not None or node.noise for node in nodes)
+    document: dict[str, Any] = {"format": FORMAT, "version": 2 if newer else 1}
+    document["name"] = network.name
     if network.description:
         document["description"] = network.description
     document["seed"] = network.seed
@@ -459,13 +448,10 @@ def _inside(network: Network, library: Library) -> dict[str, Any]:
         "links": _links(network),
     }
     if network.layout:
-        fields["layout"] = _layout(network)
+        placed = [name for name in network.nodes if name in network.layout]
+        placed += sorted(network.layout.keys() - network.nodes.keys())
+        fields["layout"] = {name: list(map(_short, network.layout[name])) for name in placed}
     return fields | dict(sorted(network.extra.items()))
-
-
-def _macro(body: Network, library: Library) -> dict[str, Any]:
-    texts = {"title": body.name, "description": body.description}
-    return {name: text for name, text in texts.items() if text} | _inside(body, library)
 
 
 def _lines(value: Any, newline: str, encode: Any) -> str:
@@ -490,18 +476,16 @@ def _node(node: Node, library: Library) -> dict[str, Any]:
     declared = declared_node(node, library) if node.params else None
     fields: dict[str, Any] = {"module": node.module}
     if node.params:
-        given = sorted(node.params.items())
-        fields["params"] = {name: _canonical(declared, name, value) for name, value in given}
+        params = sorted(node.params.items())
+        fields["params"] = {name: _canonical(declared, name, value) for name, value in params}
     if node.auto is not None:
         fields["auto"] = node.auto
-    if node.disabled:
-        fields["disabled"] = True
-    if node.final:
-        fields["final"] = True
-    if node.noise:
-        fields["noise"] = node.noise
+    others = {"disabled": node.disabled, "final": node.final, "noise": node.noise}
+    fields |= {name: value for name, value in others.items() if value}
     if node.macro is not None:
-        fields["macro"] = _macro(node.macro, library)
+        texts = {"title": node.macro.name, "description": node.macro.description}
+        given = {name: text for name, text in texts.items() if text}
+        fields["macro"] = given | _inside(node.macro, library)
     return fields | dict(sorted(node.extra.items()))
 
 
@@ -524,12 +508,6 @@ def _links(network: Network) -> list[list[str]]:
         network.links, key=lambda link: (place.get(link.target, last), place.get(link.source, last))
     )
     return [link.text() for link in links]
-
-
-def _layout(network: Network) -> dict[str, list[float]]:
-    placed = [name for name in network.nodes if name in network.layout]
-    placed += sorted(network.layout.keys() - network.nodes.keys())
-    return {name: [_short(number) for number in network.layout[name]] for name in placed}
 
 
 def _short(number: float) -> float:

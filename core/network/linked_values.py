@@ -187,8 +187,6 @@ def following(network: Network, node: str) -> set[str]:
 
 
 class _Survey:
-    """The expressions of a network: read, put in order, evaluated."""
-
     def __init__(self, network: Network, library: Library) -> None:
         self.network = network
         self.library = library

@@ -29,7 +29,6 @@ def face_of_macro(body: Network) -> "Interface":
 
 
 def with_face(body: Network, face: "Interface") -> Network:
-    """The inside of a macro with other ports and parameters."""
     others = {name: value for name, value in body.extra.items() if name not in FIELDS}
     extra = others | face.fields()
     return body if thaw(extra) == thaw(body.extra) else replace(body, extra=extra)
@@ -172,7 +171,6 @@ def passing_input(node: Node, output: str, library: Library) -> str | None:
 
 
 def checked_depth(level: int, where: str) -> None:
-    """Refuse macros that lie too deep inside of others."""
     if level > DEEPEST:
         raise NetworkError(f"{shown(where)}: macros are nested more than {DEEPEST} levels deep")
 
@@ -302,6 +300,8 @@ def expanded(network: Network, library: Library) -> Network:
     level = _level(network, library)
     sources = {end: level.source(end) for end in level.outputs}
     ports = {text(end): text(source) for end, source in sources.items() if source != ("", "")}
+    final = network.extra.get("final")
+    final = final if isinstance(final, str) else ""
     return Network(
         name=network.name,
         description=network.description,
@@ -309,7 +309,7 @@ def expanded(network: Network, library: Library) -> Network:
         nodes=level.nodes,
         links=tuple(level.links),
         layout={name: at for name, at in network.layout.items() if name in level.nodes},
-        extra=_with_final(network.extra, ports),
+        extra={**network.extra, "final": ports[final]} if final in ports else network.extra,
         port_names=ports,
         parameter_names={text(end): text(inner) for end, inner in level.parameters.items()},
         aside=level.aside,
@@ -317,7 +317,6 @@ def expanded(network: Network, library: Library) -> Network:
 
 
 def has_macros(network: Network) -> bool:
-    """Whether a node of the network is a macro."""
     return any(node.macro is not None for node in network.nodes.values())
 
 
@@ -466,10 +465,3 @@ def _add_disabled(level: _Level, network: Network, node: Node, library: Library)
         level.outputs[node.id, name] = (link.source, link.output) if link else ("", "")
     for name in face_of_macro(opened(node)).inputs:
         level.inputs[node.id, name] = ()
-
-
-def _with_final(extra: Mapping[str, Any], ports: Mapping[str, str]) -> Mapping[str, Any]:
-    final = extra.get("final")
-    if isinstance(final, str) and final in ports:
-        return {**extra, "final": ports[final]}
-    return extra

@@ -264,7 +264,6 @@ def passed_through(declared: Declaration) -> dict[str, str]:
 
 
 def check_seed(seed: object) -> None:
-    """Refuse what is no seed."""
     if isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed <= LARGEST_INTEGER:
         raise ParameterError("seed", seed, SEEDS)
 
@@ -298,7 +297,6 @@ def with_marks(network: Network, marked: Collection[str], extra: Mapping[str, An
 
 
 def marked_twice(marked: tuple[str, ...]) -> NetworkError:
-    """The error for several nodes marked as the output."""
     named = ", ".join(map(shown, marked[:8])) + (", …" if marked[8:] else "")
     return NetworkError(f"{len(marked)} nodes are marked final ({named}); only one is allowed")
 

@@ -53,7 +53,6 @@ class NetworkProblems(NetworkError):
 def check_network(
     network: Network, *, library: Library, keep_unknown: bool = False, unfinished: bool = False
 ) -> None:
-    """Refuse a network that has `problems`: raises `NetworkProblems` with all of them."""
     faults = problems(network, library=library, keep_unknown=keep_unknown, unfinished=unfinished)
     if faults:
         raise NetworkProblems(faults) from faults[0]
@@ -204,13 +203,14 @@ class _Survey:
     def _needed_of_disabled(self, declared: Declaration, leaving: list[Link]) -> list[Port]:
         """A disabled module needs what it passes on, and can give nothing else."""
         through = passed_through(declared)
+        passed = " and ".join(dict.fromkeys(through.values())) or "nothing"
         used = {link.output for link in leaving}
         for link in leaving:
             made = link.output in through or link.output in ("mtf", "ptf")  # then 1, or 0
             if declared.output(link.output) and not made:
                 self._add(
                     f"the link {link} carries nothing: {declared.title} is disabled; it passes on "
-                    f"{_and(through.values())} and gives no {link.output}",
+                    f"{passed} and gives no {link.output}",
                     link.source,
                 )
         sources = {source for output, source in through.items() if output in used}
@@ -227,10 +227,6 @@ def _build_and_check(module: type[Module], node: Node, values: Mapping[str, Any]
 
 def _listed(names: Iterable[str]) -> str:
     return f"; allowed: {', '.join(names) or 'none'}"
-
-
-def _and(names: Iterable[str]) -> str:
-    return " and ".join(dict.fromkeys(names)) or "nothing"
 
 
 # Whether the macros of a network are sound: what they show is there, and once each.

@@ -12,7 +12,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,11 +26,9 @@ from core.physics.sampling.detector_sampling import (
 )
 from core.records import dataclass, field, replace
 
-if TYPE_CHECKING:
-    from core.evaluation.work import Work
-
 Part = Literal["mtf", "ptf"]
 Array = NDArray[Any]
+Vector = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -154,14 +152,15 @@ class Separable:
 
     def plane(self, work: Work | None, xi: Array, eta: Array) -> Array:
         """Values on the plane spanned by `xi` (columns,) and `eta` (rows,)."""
-        across = self.axis(work, self.x, xi)
         along = self.axis(work, self.y, eta)
+        column = None if along is None else along[:, np.newaxis]
+        return self.joined(self.axis(work, self.x, xi), column, (len(eta), len(xi)))
+
+    def joined(self, x: Array | None, y: Array | None, shape: tuple[int, ...]) -> Array:
         neutral = 1.0 if self.part == "mtf" else 0.0
-        row = np.full(len(xi), neutral) if across is None else across
-        column = np.full(len(eta), neutral) if along is None else along
-        if self.part == "mtf":
-            return np.multiply.outer(column, row)
-        return np.add.outer(column, row)
+        row, column = neutral if x is None else x, neutral if y is None else y
+        both = column * row if self.part == "mtf" else column + row
+        return np.broadcast_to(np.asarray(both, np.float64), shape)
 
 
 Take = Literal["real", "modulus", "phase", "complex"]
@@ -271,21 +270,17 @@ class Planar:
 Factor = Separable | Planar
 
 
-def factor_at(work: Work | None, factor: Factor, xi: Array, eta: Array) -> NDArray[np.float64]:
+def factor_at(work: Work | None, factor: Factor, xi: Array, eta: Array) -> Vector:
     """A factor's MTF, signed, or its PTF in radians, at pairs of frequencies."""
     if isinstance(factor, Separable):
         x, y = factor.axis(work, factor.x, xi), factor.axis(work, factor.y, eta)
-        neutral = 1.0 if factor.part == "mtf" else 0.0
-        row, column = neutral if x is None else x, neutral if y is None else y
-        combined = row * column if factor.part == "mtf" else row + column
-        return np.broadcast_to(np.asarray(combined, np.float64), xi.shape)
+        return factor.joined(x, y, xi.shape)
     value = np.broadcast_to(factor.transfer(work, xi, eta), xi.shape)
     return np.asarray(np.angle(value) if factor.take == "phase" else np.real(value), np.float64)
 
 
 # Sampling of a frame in angle and the frequencies that belong to it.
 
-Vector = NDArray[np.float64]
 Edges = Literal["reflect", "periodic"]
 """How a frame goes on beyond its edges."""
 
@@ -332,17 +327,19 @@ class Grid:
     def eta(self) -> Vector:
         return np.asarray(np.fft.fftfreq(self.rows, self.interval_y_mrad), np.float64)
 
-    def xi_half(self) -> Vector:
-        """Frequencies of the half spectrum, 0 … +Nyquist, shape (columns // 2 + 1,)."""
-        return np.asarray(np.fft.rfftfreq(self.columns, self.interval_x_mrad), np.float64)
+    def axes(self, edges: Edges) -> tuple[Vector, Vector]:
+        """Frequencies across and along of the spectrum of a frame with these edges.
 
-    def xi_mirrored(self) -> Vector:
-        """Frequencies k/(2·columns·interval) of the mirrored frame, k = 0 … columns − 1."""
-        return np.arange(self.columns) / (2.0 * self.columns * self.interval_x_mrad)
-
-    def eta_mirrored(self) -> Vector:
-        """Frequencies k/(2·rows·interval) of the mirrored frame, k = 0 … rows − 1."""
-        return np.arange(self.rows) / (2.0 * self.rows * self.interval_y_mrad)
+        Mirrored: k/(2·n·interval), k = 0 … n − 1. Periodic: 0 … +Nyquist of the half spectrum,
+        shape (columns // 2 + 1,), and `eta`.
+        """
+        if edges == "periodic":
+            xi = np.fft.rfftfreq(self.columns, self.interval_x_mrad)
+            return np.asarray(xi, np.float64), self.eta()
+        return (
+            np.arange(self.columns) / (2.0 * self.columns * self.interval_x_mrad),
+            np.arange(self.rows) / (2.0 * self.rows * self.interval_y_mrad),
+        )
 
 
 # The product of a chain's factors, kept as two axis vectors and a few planar factors.

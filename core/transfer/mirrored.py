@@ -11,8 +11,7 @@ spectrum: index k = 2M·j ± k' acts as ±(−1)^j at k' on a frame of M samples
 kernel that is the frame in the middles of the blocks.
 """
 
-from collections.abc import Iterator
-from functools import cached_property
+from collections.abc import Callable, Iterator
 from typing import Literal
 
 import numpy as np
@@ -54,8 +53,11 @@ def mirrored_spectrum(work: Work, image: Array) -> MeanFree:
         part = np.subtract(image[rows], mean, out=place, dtype=values.dtype)
         values[rows] = transform_block(part, "dct", axis=1)
 
+    def column(block: Array) -> None:
+        block[...] = transform_block(np.ascontiguousarray(block), "dct", axis=0)
+
     work.for_each(one, row_blocks(image.shape))
-    transform_columns(work, values, "dct")
+    work.for_each(column, column_blocks(values))
     return MeanFree(values, mean)
 
 
@@ -134,7 +136,7 @@ class MirroredTerms:
         self.work, self.product = work, product
         self.factor_x, self.factor_y = factor_x, factor_y
         self.shape = grid.rows // factor_y, grid.columns // factor_x
-        self.xi, self.eta = grid.xi_mirrored(), grid.eta_mirrored()
+        self.xi, self.eta = grid.axes("reflect")
         # 1/f undoes the difference between the forward and the smaller inverse transform.
         self.across, self.along = product.across(work, self.xi), product.along(work, self.eta)
         if average:
@@ -142,10 +144,10 @@ class MirroredTerms:
             self.along = self.along * mean_kernel(grid.rows, factor_y)
         self.across, self.along = self.across / factor_x, self.along / factor_y
         self.general = not product.symmetric
-        self.planes = None if self.general else Planes(work, product, grid, "mirrored")
+        self.planes = None if self.general else Planes(work, product, grid, "reflect")
         self.odd_x = (False, True) if self.general or product.has_phase_x else (False,)
         self.odd_y = (False, True) if self.general or product.has_phase_y else (False,)
-        self.fold_x = {odd: ColumnFold(self.shape[1], factor_x, odd) for odd in self.odd_x}
+        self.fold_x = {odd: column_fold(self.shape[1], factor_x, odd) for odd in self.odd_x}
         dtype = work.policy.dtype
         self.parts_x = {odd: _part(self.across, odd).astype(dtype) for odd in self.odd_x}
         self.parts_y = {odd: _part(self.along, odd).astype(dtype) for odd in self.odd_y}
@@ -287,41 +289,27 @@ def alias_rows(
         yield slice(first - shift, last - shift + 1), rows, weights
 
 
-@dataclass(frozen=True)
-class ColumnFold:
-    """How columns of a mirrored spectrum, `factor` times as many, fold into `size` places.
+def column_fold(size: int, factor: int, odd: bool) -> Callable[[Array], Array]:
+    """Folds columns of a mirrored spectrum, `factor` times as many, into `size` places.
 
-    `odd`: whether they belong to sines.
+    `odd`: whether they belong to sines. Of a block of rows, which may be overwritten.
     """
+    segments = []  # places, columns, whether they count negative, and which column counts twice
+    for places, columns, weights in alias_rows(0, size, size, factor, odd):
+        twice = np.flatnonzero(np.abs(weights) == 2.0)
+        edge = int(twice[0]) if len(twice) else None
+        segments.append((places, columns, bool(weights[0] < 0), edge))
 
-    size: int
-    factor: int
-    odd: bool
-
-    @cached_property
-    def segments(self) -> tuple[tuple[slice, slice, bool, int | None], ...]:
-        """Places, columns, whether they count negative, and which column counts twice."""
-        segments = []
-        for places, columns, weights in alias_rows(0, self.size, self.size, self.factor, self.odd):
-            twice = np.flatnonzero(np.abs(weights) == 2.0)
-            edge = int(twice[0]) if len(twice) else None
-            segments.append((places, columns, bool(weights[0] < 0), edge))
-        return tuple(segments)
-
-    def __call__(self, values: Array) -> Array:
-        """Fold a block of rows; `values` may be overwritten."""
-        if self.odd:
-            folded = np.zeros((values.shape[0], self.size), values.dtype)
-            segments = self.segments
-        else:
-            folded = values[:, : self.size]
-            segments = self.segments[1:]  # the first is in place already
-        for places, columns, negative, edge in segments:
+    def fold(values: Array) -> Array:
+        folded = np.zeros((len(values), size), values.dtype) if odd else values[:, :size]
+        for places, columns, negative, edge in segments if odd else segments[1:]:  # one is in place
             target, part = folded[:, places], values[:, columns]
             (np.subtract if negative else np.add)(target, part, out=target)
             if edge is not None:
                 target[:, edge] += -part[:, edge] if negative else part[:, edge]
         return folded
+
+    return fold
 
 
 # Cosine and sine transforms along one axis of a picture, in place, block by block.
@@ -345,15 +333,6 @@ def transform_block(values: Array, kind: Kind, axis: int) -> Array:
     """One block transformed along an axis; `values` may be overwritten."""
     transform = getattr(kernels, kind)
     return np.asarray(transform(values, type=2, axis=axis, overwrite_x=True))
-
-
-def transform_columns(work: Work, values: Array | StripArray, kind: Kind) -> None:
-    """Transform every column of float samples by type II or its inverse, in place."""
-
-    def one(block: Array) -> None:
-        block[...] = transform_block(np.ascontiguousarray(block), kind, axis=0)
-
-    work.for_each(one, column_blocks(values))
 
 
 def column_blocks(values: Array | StripArray) -> list[Array]:

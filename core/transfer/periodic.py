@@ -7,7 +7,6 @@ and −Nyquist, for a separable factor the real part of its axis.
 from collections.abc import Callable
 from functools import cache
 from importlib import import_module
-from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -206,7 +205,7 @@ class PeriodicResponse:
         average: bool = True,
     ) -> None:
         self.work, self.product, self.grid = work, product, grid
-        self.xi, self.eta = grid.xi_half(), grid.eta()
+        self.xi, self.eta = grid.axes("periodic")
         self.across = product.across(work, self.xi)
         self.along = product.along(work, self.eta)
         self.planes = Planes(work, product, grid, "periodic") if product.symmetric else None
@@ -274,20 +273,14 @@ def _narrow(values: Array, real: np.dtype[Any]) -> Array:
 
 @cache
 def fourier() -> Any:
-    """A module with the functions of scipy.fft that periodic frames need."""
-    return _intel() or kernels
-
-
-def backend() -> str:
-    """What `fourier` has found, for reports."""
-    return "scipy.fft" if fourier() is kernels else "mkl_fft"
-
-
-def _intel() -> ModuleType | None:
     try:
         return import_module("mkl_fft.interfaces.scipy_fft")
     except (ImportError, OSError, AttributeError):  # not there, or its libraries are not
-        return None
+        return kernels
+
+
+def backend() -> str:
+    return "scipy.fft" if fourier() is kernels else "mkl_fft"
 
 
 # The waves of a frame at places between its samples: band-limited interpolation, exactly.

@@ -1,7 +1,6 @@
 """Blocks of rows of the planar factors: by low rank, kept whole, tabulated or evaluated anew."""
 
 from collections.abc import Callable
-from typing import Literal
 
 import numpy as np
 
@@ -9,7 +8,7 @@ from core.arrays import Array
 from core.evaluation.recipes import Recipe
 from core.evaluation.work import Work
 from core.records import dataclass, field
-from core.transfer.factors import Grid, Planar, Product
+from core.transfer.factors import Edges, Grid, Planar, Product
 
 # A function of the radial frequency, tabulated for linear interpolation.
 
@@ -71,8 +70,6 @@ class RadialTable:
         return values
 
 
-Axes = Literal["mirrored", "periodic"]
-
 SINGLE_TOLERANCE = 1e-7  # below the rounding of single-precision samples
 BLOCK_SAMPLES = 1 << 16  # samples of a plane per block of rows
 SMALLEST = 128  # smaller planes are evaluated sooner than approximated or kept
@@ -82,9 +79,9 @@ THIN_SAMPLES = 1 << 19  # smaller planes are read from a radial table sooner tha
 class Planes:
     """The product of a chain's planar factors, symmetric ones only, by blocks of rows."""
 
-    def __init__(self, work: Work, product: Product, grid: Grid, axes: Axes) -> None:
+    def __init__(self, work: Work, product: Product, grid: Grid, axes: Edges) -> None:
         self._work = work
-        self.xi, self.eta = axes_of(grid, axes)
+        self.xi, self.eta = grid.axes(axes)
         self._parts: list[tuple[Planar, Quarter, Precomputed]] = []
         for factor in product.planar:
             quarter = Quarter.of(self.xi, self.eta, factor.cutoff)
@@ -150,7 +147,7 @@ class Known(Recipe):
 
     factor: Planar
     grid: Grid
-    axes: Axes
+    axes: Edges
     node: str | None = field(default=None, compare=False)
 
     def _content(self) -> tuple[object, ...]:
@@ -163,7 +160,7 @@ class Known(Recipe):
     def compute(self, work: Work) -> Precomputed:
         """Compute in double, keep in the evaluation's precision."""
         factor = self.factor
-        quarter = Quarter.of(*axes_of(self.grid, self.axes), factor.cutoff)
+        quarter = Quarter.of(*self.grid.axes(self.axes), factor.cutoff)
         table = None
         if work.policy.precision == "single":
             table = _radial_table(work, factor, quarter)
@@ -184,15 +181,15 @@ class Known(Recipe):
         return Precomputed(plane=plane)
 
 
-def known_planes(product: Product, grid: Grid, axes: Axes) -> list[Recipe]:
+def known_planes(product: Product, grid: Grid, axes: Edges) -> list[Recipe]:
     """The recipes that `Planes` reads."""
     if not product.symmetric or not _is_precomputed(grid, axes):
         return []
     return [Known(factor, grid, axes, node=factor.node) for factor in product.planar]
 
 
-def _is_precomputed(grid: Grid, axes: Axes) -> bool:
-    columns = grid.columns if axes == "mirrored" else grid.columns // 2 + 1
+def _is_precomputed(grid: Grid, axes: Edges) -> bool:
+    columns = grid.columns if axes == "reflect" else grid.columns // 2 + 1
     return min(columns, grid.rows) >= SMALLEST
 
 
@@ -245,13 +242,6 @@ def _thin(
         return None
     dtype = work.policy.dtype
     return thin[0].astype(dtype), thin[1].astype(dtype)
-
-
-def axes_of(grid: Grid, axes: Axes) -> tuple[Array, Array]:
-    """The frequencies across and along of a mirrored or a periodic spectrum."""
-    if axes == "mirrored":
-        return grid.xi_mirrored(), grid.eta_mirrored()
-    return grid.xi_half(), grid.eta()
 
 
 # The quarter of a spectrum on which a symmetric factor is evaluated: within its support.

@@ -20,7 +20,7 @@ from core.physics.sampling.platform_motion import scale_nodes_mrad, scale_weight
 from core.records import dataclass, replace
 from core.transfer.factors import Edges, Grid, Product, Separable
 from core.transfer.periodic import fourier
-from core.transfer.planar_blocks import Axes, Planes, thin_product
+from core.transfer.planar_blocks import Planes, thin_product
 
 Parts = tuple[Array, ...]
 
@@ -263,12 +263,11 @@ class ScanChain:
         For mirrored frames (flight, scan), neither frequency negative. For periodic ones flight
         from 0 to Nyquist, and scan in FFT order.
         """
-        axes: Axes = "mirrored" if self.edges == "reflect" else "periodic"
         if self.turned:
             grid = replace(self.grid, interval_x_mrad=interval_mrad)
         else:
             grid = replace(self.grid, interval_y_mrad=interval_mrad)
-        plane = Planes(work, self.product, grid, axes).block(slice(0, self.grid.rows))
+        plane = Planes(work, self.product, grid, self.edges).block(slice(0, self.grid.rows))
         assert plane is not None, "the product has no planar factors"
         if self.turned:
             return np.ascontiguousarray(plane.T)
@@ -292,8 +291,7 @@ def filter_lines(
     A line's mean passes by H(0), exactly where that is 1.
     """
     product = Product(factors)
-    xi = grid.xi_mirrored() if edges == "reflect" else grid.xi_half()
-    response = product.across(work, xi)
+    response = product.across(work, grid.axes(edges)[0])
     result = np.empty(image.shape, work.policy.dtype)
     height = max(1, _BLOCK_SAMPLES // image.shape[1])
 

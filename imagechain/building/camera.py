@@ -13,7 +13,7 @@ from app.run.evaluation import way_of_running
 from app.run.own_scene import EIGHT_BITS, OwnScene, fitted, grey, sample_ends, with_own_scene
 from app.run.transfer_chain import ancestors, find_output
 from core.chain.engine import Engine, Plan, asked_for
-from core.chain.frame_sequence import at_frame
+from core.chain.random_fields import at_frame
 from core.chain.wires import Image
 from core.errors import DataError, NetworkError, ParameterError, UsageError, placed
 from core.evaluation.work import Policy, Work

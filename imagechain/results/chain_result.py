@@ -18,7 +18,7 @@ from app.run.saving import MOST_FRAMES, check_suffix, cube_of, is_cube, real_arr
 from app.run.staging import Staging, WriteRules, read_record
 from app.run.transfer_chain import find_output, ports_of_images
 from core.chain.engine import Engine, Plan, asked_for
-from core.chain.frame_sequence import at_frame
+from core.chain.random_fields import at_frame
 from core.chain.skipped import skips
 from core.chain.wires import Image
 from core.errors import (

@@ -139,8 +139,8 @@ def axes_ratio(
     as in Init & Trans; `unit` is that of the grid's frequencies.
     """
     mirrored = edges == "reflect"
-    across = grid.xi_mirrored() if mirrored else grid.xi_half()
-    along = grid.eta_mirrored() if mirrored else np.abs(grid.eta()[: grid.rows // 2 + 1])
+    across, along = grid.axes(edges)
+    along = along if mirrored else np.abs(along[: grid.rows // 2 + 1])
     largest = max(abs(float(reference.max())), abs(float(reference.min())))
     series = []
     for name, axis, frequency in (("horizontal", 0, across), ("vertical", 1, along)):
@@ -162,8 +162,7 @@ def radial_ratio(
     spacing = max(grid.frequency_interval_x, grid.frequency_interval_y) / (2 if mirrored else 1)
     rings = int(min(grid.nyquist_x, grid.nyquist_y) / spacing) + 1
     above, below, moment, count = (np.zeros(rings) for _ in range(4))
-    xi = grid.xi_mirrored() if mirrored else grid.xi_half()
-    eta = grid.eta_mirrored() if mirrored else grid.eta()
+    xi, eta = grid.axes(edges)
     weight = np.ones(len(xi))
     if not mirrored:
         weight[1 : (grid.columns + 1) // 2] = 2.0  # a half spectrum's column and its twin

@@ -11,9 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.chain.back_transformed import Delivered
-from core.chain.frame_sequence import Remaking
 from core.chain.noise_power import NoisePower, spectrum_of
-from core.chain.random_fields import Stream
+from core.chain.random_fields import Remaking, Stream
 from core.chain.step_lineage import Array, AtStep, Lineage, Linear, Noise, lineage_of
 from core.chain.wires import Image, SampledTransfer
 from core.errors import DataError

@@ -4,8 +4,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from core.chain.frame_sequence import at_frame
-from core.chain.random_fields import FrameNumber
+from core.chain.random_fields import FrameNumber, at_frame
 from core.chain.step_lineage import Array, AtStep, Noise, picture_step
 from core.chain.wires import Context, Image, Table, TableData, Transfer
 from core.errors import ParameterError

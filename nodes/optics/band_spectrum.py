@@ -115,7 +115,7 @@ def at_each_band(
     """Each band of the picture at its own wavelength; the mean is weighted by their light."""
     factor = replace(factor, by_wavelength=law)
     weights = photon_weights(bands, weighting, detector)
-    return over_bands(factor, bands, weights, node=factor.node)
+    return over_bands(factor, bands, weights)
 
 
 def kelvin_caution(magnitude: Magnitude, band: Band, source_K: float | None) -> Caution | None:

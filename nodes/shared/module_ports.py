@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from typing import Annotated, Any, Literal, NamedTuple
 
-from core.chain.engine import PlannedNode, TransferAt
+from core.chain.engine import PlannedNode
 from core.chain.step_lineage import lineage_of
 from core.chain.wires import Context, Image, Magnitude, Phase, Table, TableData, Transfer
 from core.evaluation.recipes import Recipe, Step, marked
@@ -19,16 +19,15 @@ _FINER = 1.05  # samples per pixel
 # MTF at both Nyquist frequencies: of the samples that are computed, and of the pixels.
 
 
-def at_nyquist(transfer: Transfer, axis: str) -> TransferAt | None:
+def at_nyquist(transfer: Transfer, axis: str) -> Recipe | None:
     """At the Nyquist frequency of the image's samples; None of a function with its own."""
     if transfer.own is not None:
         return None
-    if axis == "x":
-        return TransferAt(transfer, transfer.grid.nyquist_x, 0.0)
-    return TransferAt(transfer, 0.0, transfer.grid.nyquist_y)
+    grid = transfer.grid
+    return transfer.at(axis, grid.nyquist_x if axis == "x" else grid.nyquist_y)
 
 
-def at_pixel_nyquist(transfer: Transfer, context: Context, axis: str) -> TransferAt | None:
+def at_pixel_nyquist(transfer: Transfer, context: Context, axis: str) -> Recipe | None:
     """At half a cycle per pitch of the detector, None where that or the focal length is not known.
 
     It is a figure of the camera: where the image's samples are coarser than the pixels, it lies
@@ -38,21 +37,19 @@ def at_pixel_nyquist(transfer: Transfer, context: Context, axis: str) -> Transfe
     if not pitch_um or not context.focal_length_mm or transfer.own is not None:
         return None
     nyquist = 0.5 / ifov_mrad(pitch_um=pitch_um, focal_length_mm=context.focal_length_mm, fill=1.0)
-    return TransferAt(transfer, nyquist, 0.0) if axis == "x" else TransferAt(transfer, 0.0, nyquist)
+    return transfer.at(axis, nyquist)
 
 
 class NyquistReadouts(Module):
     """Base of modules with an MTF, read out at the Nyquist frequencies of samples and pixels."""
 
     @readout()
-    def mtf_at_nyquist_x(self, axis: str, outputs: Any) -> TransferAt | None:
+    def mtf_at_nyquist_x(self, axis: str, outputs: Any) -> Recipe | None:
         """MTF at the horizontal Nyquist frequency of the image's samples."""
         return at_nyquist(outputs.mtf, axis)
 
     @readout()
-    def mtf_at_pixel_nyquist_x(
-        self, axis: str, context: Context, outputs: Any
-    ) -> TransferAt | None:
+    def mtf_at_pixel_nyquist_x(self, axis: str, context: Context, outputs: Any) -> Recipe | None:
         """MTF at the pixels' horizontal Nyquist frequency, half a cycle per detector pitch."""
         return at_pixel_nyquist(outputs.mtf, context, axis)
 
@@ -148,12 +145,12 @@ class PtfModule(Module):
         return PtfOutputs(made(*factors), transfer)
 
     @readout("rad")
-    def ptf_at_nyquist_x(self, outputs: PtfOutputs) -> TransferAt | None:
+    def ptf_at_nyquist_x(self, outputs: PtfOutputs) -> Recipe | None:
         """PTF at the horizontal Nyquist frequency of the image's samples."""
         return at_nyquist(outputs.ptf, "x")
 
     @readout("rad")
-    def ptf_at_pixel_nyquist_x(self, context: Context, outputs: PtfOutputs) -> TransferAt | None:
+    def ptf_at_pixel_nyquist_x(self, context: Context, outputs: PtfOutputs) -> Recipe | None:
         """PTF at the pixels' horizontal Nyquist frequency, half a cycle per detector pitch."""
         return at_pixel_nyquist(outputs.ptf, context, "x")
 

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 
 from core.chain.band_stack import BandStack, SteppedBands
-from core.chain.frame_sequence import at_frame
 from core.chain.noise_power import NoisePower
+from core.chain.random_fields import at_frame
 from core.chain.step_lineage import Array, AtStep, Filtering, Linear, Noise, picture_step
 from core.chain.wires import Image
 from core.evaluation import recipes

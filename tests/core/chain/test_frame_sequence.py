@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from core.chain.frame_sequence import at_frame
+from core.chain.random_fields import at_frame
 from noisy_sensors import noisy_sensor, picture_of
 
 ALL = ("photons", "gain", "bias", "detector", "amplifier", "quantization", "periodic")

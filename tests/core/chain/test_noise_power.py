@@ -88,7 +88,7 @@ def test_filtered_and_combined(work, edges, chain, factors):
         work,
         lambda image: combine_pixels(through(image, CHAINS[chain], edges), factor_x=x, factor_y=y),
     )
-    axes = "mirrored" if edges == "reflect" else "periodic"
+    axes = edges
     filtered = NoisePower.white(ROWS, COLUMNS, 1.0).filtered(work, CHAINS[chain], GRID, axes)
     power = filtered.averaged(x, y)
     assert (power.rows, power.columns) == (ROWS // y, COLUMNS // x)
@@ -120,7 +120,7 @@ def test_samples_of_different_variances(work):
     expected = by_impulses(work, lambda image: through(image, BLUR, "reflect"), weights)
     power = NoisePower.white(ROWS, COLUMNS, weights)
     assert told(power)[0] == pytest.approx(weights.mean(), rel=1e-14)
-    assert told(power.filtered(work, BLUR, GRID, "mirrored")) == pytest.approx(
+    assert told(power.filtered(work, BLUR, GRID, "reflect")) == pytest.approx(
         list(expected), rel=1e-11
     )
 
@@ -137,7 +137,7 @@ def test_resampled(work, order, new, edges):
         how = {"old": (ROWS, COLUMNS), "new": new, "order": order, "edges": edges}
         return blurred.with_recipe(Step.of(resampled, blurred.recipe, **how))
 
-    axes = "periodic" if edges == "periodic" else "mirrored"
+    axes = edges
     power = NoisePower.white(ROWS, COLUMNS, 1.0).filtered(work, BLUR, GRID, axes)
     found = power.resampled(
         new, interpolator(ROWS, new[0], order, edges), interpolator(COLUMNS, new[1], order, edges)
@@ -203,7 +203,7 @@ def blurring(size, sigma, interval, axes):
     spread = np.array([np.sum(mtf * np.cos(2 * np.pi * order * d / period)) for d in range(period)])
     spread /= period
     matrix = spread[(x[:, None] - x) % period]
-    if axes == "mirrored":  # and the mirror image of each sample, at −1 − x
+    if axes == "reflect":  # and the mirror image of each sample, at −1 − x
         matrix = matrix + spread[(x[:, None] + x + 1) % period]
     return matrix
 
@@ -211,7 +211,7 @@ def blurring(size, sigma, interval, axes):
 SMALL = [(1, 1), (1, 7), (13, 1), (2, 3), (5, 8), (11, 47), (48, 49), (80, 80), (53, 94), (97, 64)]
 
 
-@pytest.mark.parametrize("axes", ["mirrored", "periodic"])
+@pytest.mark.parametrize("axes", ["reflect", "periodic"])
 @pytest.mark.parametrize(("rows", "columns"), SMALL)
 @pytest.mark.parametrize("cells", [48, 5])
 def test_noise_before_and_after_the_transform(work, axes, rows, columns, cells):
@@ -240,7 +240,7 @@ def test_noises_on_waves_of_different_edges(work, rows, columns):
     cosines = scipy.fft.dctn(pattern, type=2, norm="ortho") ** 2
     for axis in (0, 1):
         cells = min(48, pattern.shape[axis])
-        cosines = np.apply_along_axis(lambda p, c=cells: in_cells(p, "mirrored", c), axis, cosines)
+        cosines = np.apply_along_axis(lambda p, c=cells: in_cells(p, "reflect", c), axis, cosines)
     along, across = (
         in_cells(amplitude_power(blurring(n, s, d, "periodic"), "periodic"), "periodic", min(48, n))
         for n, s, d in ((rows, 0.4, 1.25), (columns, 0.6, 1.0))

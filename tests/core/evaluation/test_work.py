@@ -6,7 +6,7 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from core.chain.frame_sequence import at_frame
+from core.chain.random_fields import at_frame
 from core.errors import Cancelled, DataError
 from core.evaluation.recipes import Region, Step, pointwise
 from core.evaluation.store import Store

@@ -17,7 +17,6 @@ from core.transfer.planar_blocks import (
     Planes,
     RadialTable,
     _probes,
-    axes_of,
     cross_approximation,
 )
 
@@ -53,7 +52,7 @@ def planes_of(factor, grid, axes, precision, capacity=1 << 29):
 
 
 def evaluated(factor, grid, axes, rows=slice(None)):
-    xi, eta = axes_of(grid, axes)
+    xi, eta = grid.axes(axes)
     return factor.transfer(None, xi[np.newaxis, :], eta[rows, np.newaxis])
 
 
@@ -61,7 +60,7 @@ SINGLE_ERROR = SINGLE_TOLERANCE + 2.5e-7  # thin matrices are rounded to single 
 
 
 @pytest.mark.thorough(but=13)
-@pytest.mark.parametrize("axes", ["mirrored", "periodic"])
+@pytest.mark.parametrize("axes", ["reflect", "periodic"])
 @pytest.mark.parametrize("size_cm", [25.6, 5.0, 0.6])
 @pytest.mark.parametrize("name", SHAPES)
 def test_single_precision_planes_are_within_their_tolerance(name, size_cm, axes):
@@ -71,7 +70,7 @@ def test_single_precision_planes_are_within_their_tolerance(name, size_cm, axes)
 
 
 @pytest.mark.thorough(but=21)
-@pytest.mark.parametrize("axes", ["mirrored", "periodic"])
+@pytest.mark.parametrize("axes", ["reflect", "periodic"])
 @pytest.mark.parametrize("shape", [(200, 257), (720, 810)])
 @pytest.mark.parametrize("size_cm", [25.6, 5.0, 1.2, 0.6, 0.05])
 @pytest.mark.parametrize(("hole", "ratio"), [(0.0, 1.0), (0.0, 0.8), (1 / 3, 1.0), (0.9, 1.25)])
@@ -82,7 +81,7 @@ def test_tables_and_thin_matrices_are_within_the_tolerance(hole, ratio, size_cm,
 
 
 @pytest.mark.thorough(but=17)
-@pytest.mark.parametrize("axes", ["mirrored", "periodic"])
+@pytest.mark.parametrize("axes", ["reflect", "periodic"])
 @pytest.mark.parametrize("size_cm", [5.0, 1.2, 0.6, 0.001])
 @pytest.mark.parametrize("name", SHAPES)
 def test_only_the_support_is_evaluated_and_the_rest_is_0(name, size_cm, axes):
@@ -100,14 +99,14 @@ def test_only_the_support_is_evaluated_and_the_rest_is_0(name, size_cm, axes):
 @pytest.mark.parametrize("name", ["clear", "spider"])
 def test_double_precision_is_never_approximated(name):
     factor, grid = pupil(SHAPES[name], 25.6), Grid(200, 257, 1.0, 1.3)
-    got = planes_of(factor, grid, "mirrored", "double").block(slice(10, 20))
-    assert np.array_equal(got, evaluated(factor, grid, "mirrored", slice(10, 20)))
+    got = planes_of(factor, grid, "reflect", "double").block(slice(10, 20))
+    assert np.array_equal(got, evaluated(factor, grid, "reflect", slice(10, 20)))
     factor = round_pupil(1 / 3, 0.6)
     got = planes_of(factor, grid, "periodic", "double").block(slice(10, 20))
     assert np.array_equal(got, evaluated(factor, grid, "periodic", slice(10, 20)))
 
 
-@pytest.mark.parametrize("axes", ["mirrored", "periodic"])
+@pytest.mark.parametrize("axes", ["reflect", "periodic"])
 @pytest.mark.parametrize("precision", ["single", "double"])
 @pytest.mark.parametrize(
     "factor",

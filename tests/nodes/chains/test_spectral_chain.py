@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from core.chain.frame_sequence import at_frame
+from core.chain.random_fields import at_frame
 from core.evaluation.work import Policy
 from cube_files import band_by_band, centres, materials_cube, write_cube
 from node_bench import NodeBench, fov_of

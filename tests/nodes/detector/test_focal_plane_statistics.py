@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from scipy.special import ndtr
 
-from core.chain.frame_sequence import at_frame
+from core.chain.random_fields import at_frame
 from node_bench import NodeBench
 from nodes.library import standard_library
 

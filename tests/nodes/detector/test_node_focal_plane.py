@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from core.chain.frame_sequence import at_frame
+from core.chain.random_fields import at_frame
 from core.errors import ParameterError
 from core.evaluation.recipes import Region
 from core.physics.radiometry.planck import band_radiance

@@ -6,7 +6,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from core.chain.frame_sequence import at_frame
+from core.chain.random_fields import at_frame
 from core.physics.radiometry.planck import band_radiance, band_radiance_derivative
 from focal_plane_bench import cautions
 from node_bench import NodeBench

@@ -7,8 +7,7 @@ import pytest
 
 from app.report.edge_measurement import edge_row
 from core.chain.engine import Engine
-from core.chain.frame_sequence import at_frame
-from core.chain.random_fields import Stream, normal_field
+from core.chain.random_fields import Stream, at_frame, normal_field
 from core.chain.step_lineage import Linear, picture_step, source_step
 from core.chain.wires import Image
 from core.errors import DataError

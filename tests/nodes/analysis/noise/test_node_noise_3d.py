@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from PIL import Image as Pillow
 
-from core.chain.frame_sequence import at_frame
+from core.chain.random_fields import at_frame
 from core.evaluation.work import Policy
 from core.network.network import Link, Node
 from core.physics.noise.noise_components import COMPONENTS, NoiseCube
