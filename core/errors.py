@@ -410,10 +410,7 @@ def _module_of(frame: FrameType) -> str:
 
 
 def require_finite(values: NDArray[Any]) -> None:
-    """Refuse a transform of numbers too large for it, which raises no error by itself.
-
-    Raises `FloatingPointError` for `watched` to make a `DataError` of.
-    """
+    """Refuse a transform of numbers too large for it, which raises no error by itself."""
     import numpy as np
 
     # One bad sample spreads over its whole transform, so that the sum cannot miss it.

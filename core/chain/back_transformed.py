@@ -31,10 +31,7 @@ BinMode = Literal["mean", "sum"]
 
 
 def back_transform(magnitude: Magnitude, phase: Phase, *, node: str | None = None) -> Image:
-    """The image of a magnitude and a phase, which may stem from different images.
-
-    Raises `DataError` if the two do not have the same size.
-    """
+    """The image of a magnitude and a phase, which may stem from different images."""
     if magnitude.grid.shape != phase.grid.shape:
         raise DataError(
             f"magnitude has {magnitude.grid.columns} × {magnitude.grid.rows} samples and phase "
@@ -310,8 +307,6 @@ def combine_pixels(
 
     Straight after a back transform, and where the factors divide the size, the spectrum is folded
     and a smaller inverse transform taken; otherwise the pixels are combined.
-
-    Raises `DataError` if a factor exceeds the image's size.
     """
     if factor_x > image.columns or factor_y > image.rows:
         raise DataError(
@@ -356,8 +351,6 @@ def sample_pixels(
 
     Straight after a back transform the filtered spectrum itself is taken there; of any other image
     the samples' own, mirrored at the frame's edges or periodic as that image has them.
-
-    Raises `DataError` if not one pixel fits the image.
     """
     recipe = image.recipe
     edges: Edges = image.edges or "reflect"

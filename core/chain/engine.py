@@ -109,10 +109,7 @@ class Plan:
     folder: Path = Path()
 
     def output(self, port: str) -> Any:
-        """The value on ``node.port``; a macro's port stands for one inside.
-
-        Raises `ImagechainError`: the node's own error, or that there is no such port.
-        """
+        """The value on ``node.port``; a macro's port stands for one inside."""
         name, _, output = self.network.port_names.get(port, port).rpartition(".")
         planned = self.node(name).sound()
         if output not in planned.outputs:
@@ -121,10 +118,7 @@ class Plan:
         return planned.outputs[output]
 
     def node(self, name: str) -> PlannedNode:
-        """The planned node of that id.
-
-        Raises `NetworkError` if there is none.
-        """
+        """The planned node of that id."""
         if name not in self.nodes:
             known = ", ".join(self.nodes) or "none"
             raise NetworkError(f"the network has no node {name!r}; its nodes: {known}")
@@ -219,10 +213,7 @@ class Engine:
     def readouts(
         self, plan: Plan, node: str, work: Work, names: Collection[str] | None = None
     ) -> dict[str, Any]:
-        """Values of a node's read-outs by name; of those in `names`, if given.
-
-        Raises `ImagechainError`: the node's own error, or one met while computing.
-        """
+        """Values of a node's read-outs by name; of those in `names`, if given."""
         values = self.planned_readouts(plan, node, names)
         recipes = [value for value in values.values() if isinstance(value, Recipe)]
         with work.hold(recipes) as held:
@@ -236,10 +227,7 @@ class Engine:
         return values
 
     def why_none(self, plan: Plan, node: str, work: Work, name: str) -> str:
-        """Why a read-out has no value, where its module gives the reason; else an empty text.
-
-        Raises `ImagechainError`: the node's own error, or one met while computing.
-        """
+        """Why a read-out has no value, where its module gives the reason; else an empty text."""
         value = self.planned_readouts(plan, node, (name,)).get(name)
         reason = value.reason if isinstance(value, Step) else None
         return "" if reason is None else str(work.value(reason))
@@ -261,10 +249,7 @@ class Engine:
     def planned_readouts(
         self, plan: Plan, node: str, names: Collection[str] | None = None
     ) -> dict[str, Any]:
-        """A node's read-outs as values, or as recipes where they have to be computed.
-
-        Raises `ImagechainError`: the node's own error.
-        """
+        """A node's read-outs as values, or as recipes where they have to be computed."""
         planned = plan.node(node).sound()
         values: dict[str, Any] = {}
         if planned.result is None and planned.node.disabled:
@@ -399,8 +384,6 @@ def realize(value: Any, work: Work, region: Region | None = None) -> Any:
     Image: pixels. Transfer, magnitude and phase: full 2-D arrays in FFT order, MTF and magnitude
     real and signed, PTF and phase in radians, at Nyquist as they act. Curve:
     `CurveData`. Table: `TableData`. Context: itself. A pupil gives its samples.
-
-    Raises `ParameterError` for a region of what is no image, or beyond the image.
     """
     if region is not None:
         if not isinstance(value, Image):
@@ -465,11 +448,7 @@ def largest_picture(plan: Plan, policy: Policy) -> tuple[Shape, int]:
 def planned_blocks(
     plan: Plan, recipes: Iterable[Recipe], disk: ScratchDisk, policy: Policy
 ) -> BlockRun:
-    """What a run in blocks keeps on disk, where it reads the values of all these recipes.
-
-    Raises `DataError` on the first node that would take or make a picture as a whole that has to
-    lie on disk.
-    """
+    """What a run in blocks keeps on disk, where it reads the values of all these recipes."""
     pictures = {value.key: value.shape for value in _images(plan)}
     on_disk: dict[str, Shape] = {}
     for recipe in _furthest_first(recipes):

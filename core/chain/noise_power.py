@@ -28,28 +28,17 @@ Operator = Callable[[Array], Array]
 
 @dataclass(frozen=True, eq=False)
 class NoisePower:
-    """Variances of the amplitudes of a frame's orthonormal waves.
+    """Variances of the amplitudes of a frame's orthonormal waves."""
 
-    Parameters
-    ----------
-    rows, columns : int
-        Size of the frame.
-    power : ndarray
-        Variances that broadcast to (rows, columns): of the cosines k = 0 … n − 1 of a mirrored
-        frame, in FFT order of a periodic one. Their mean is the variance of a sample.
-    axes : "reflect" or "periodic"
-        Which waves: those of a frame mirrored at its edges, or repeated.
-    variances : ndarray, optional
-        Of the samples, where these are independent but not alike: `power` is their mean then.
-    along, across : ndarray, optional
-        Amplitude in each wave of the frame, (rows,) or (columns,), that each wave of `power` has.
-    """
-
-    rows: int
+    rows: int  # size of the frame
     columns: int
+    # Variances that broadcast to (rows, columns): of the cosines k = 0 … n − 1 of a mirrored frame,
+    # in FFT order of a periodic one. Their mean is the variance of a sample.
     power: Array
-    axes: Edges = "reflect"
+    axes: Edges = "reflect"  # which waves: those of a frame mirrored at its edges, or repeated
+    # Of the samples, where these are independent but not alike: `power` is their mean then.
     variances: Array | None = None
+    # Amplitude in each wave of the frame, (rows,) or (columns,), that each wave of `power` has.
     along: Array | None = None
     across: Array | None = None
 

@@ -50,22 +50,13 @@ _PLACE_BITS = (BLOCK - 1).bit_length()  # of a random word, that give a place in
 
 @dataclass(frozen=True)
 class Stream:
-    """An endless supply of independent deviates, named by seed, node and field.
+    """An endless supply of independent deviates, named by seed, node and field."""
 
-    Parameters
-    ----------
-    seed, node, field
-        The network's seed, the node that draws, and the field's name.
-    frame
-        Number of the frame in a sequence; a single picture is frame 0.
-    fixed
-        Whether what is drawn belongs to the sensor and stays the same in every frame.
-    """
-
-    seed: int
+    seed: int  # the network's seed, the node that draws, and the field's name
     node: str
     field: str
-    frame: int = 0
+    frame: int = 0  # number of the frame in a sequence; a single picture is frame 0
+    # Whether what is drawn belongs to the sensor and stays the same in every frame.
     fixed: bool = dataclasses.field(default=False, compare=False)
 
     @property
@@ -90,23 +81,11 @@ def normal_field(
     dtype: DTypeLike = np.float64,
     for_each: ForEach = in_turn,
 ) -> Array:
-    """Standard normal deviates.
+    """Standard normal deviates of a stream.
 
-    Parameters
-    ----------
-    stream
-        Where they come from.
-    shape
-        Shape of the field.
-    dtype
-        float64 (ziggurat) or float32 (Box-Muller on 32-bit uniforms, three times as fast, no
-        deviate beyond 6.77).
-    for_each
-        Calls a function on every block, in any order and from any thread: `Work.for_each`.
-
-    Returns
-    -------
-    Array of the shape and type.
+    float64 by the ziggurat; float32 by Box-Muller on 32-bit uniforms, three times as fast, none
+    beyond 6.77. `for_each` calls a function on every block, in any order and from any thread, as
+    `Work.for_each` does.
 
     Source: Marsaglia and Tsang 2000 (ziggurat); Box and Muller 1958.
     """
@@ -162,20 +141,8 @@ def poisson_field(
     is Poisson, their places are uniform, and an event stays with the probability mean/largest.
     The deviates then have exactly the Poisson distribution too (thinning).
 
-    Raises `DataError` for means that are negative or not finite.
-
-    Parameters
-    ----------
-    mean
-        float32 or float64 of any shape, 0 or above.
-    stream, for_each
-        As in `normal_field`.
-    in_place
-        The counts take the place of the means, whose array must be contiguous.
-
-    Returns
-    -------
-    Counts, of the shape and type of `mean`.
+    `mean` is float32 or float64 of any shape, 0 or above; the counts are alike. They take its place
+    if `in_place`, and it must then be contiguous.
 
     Source: Lewis and Shedler 1979 (thinning); Hörmann 1993 (numpy's rejection above 10).
     """

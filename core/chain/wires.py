@@ -175,57 +175,32 @@ def _bound(factors: Iterable[Factor]) -> tuple[Recipe, ...]:
 
 @dataclass(frozen=True)
 class Image:
-    """2-D samples with unit, sampling interval and band.
-
-    Parameters
-    ----------
-    recipe : Recipe
-        Makes the pixels, shape (rows, columns).
-    rows, columns : int
-        Size.
-    interval_x_mrad, interval_y_mrad : float or None
-        Sampling interval, None where it is not given.
-    unit : str
-        Unit of the samples.
-    band_um : (float, float) or None
-        Cut-on and cut-off wavelength.
-    header : Header
-        What the file states, for `Init & Trans`.
-    edges : Edges or None
-        How the frame goes on beyond its edges, as its transform had it; None where unknown.
-    camera : CameraSheet or None
-        The camera that takes it, where one was entered before.
-    pixel_mrad : (float or None, float or None)
-        From one pixel of the detector to the next across and along, of that camera or Init & Trans.
-    bands : BandStack or None
-        The bands of wavelength that the pixels are the integral of, where they are known.
-    air : tuple of AirPath
-        What the air that it has come through consists of, all along one way.
-    responses : tuple of ResponseCurve
-        What has weighted its wavelengths behind the air: filters, a detector's material.
-    vignetting : float
-        Mean relative illumination of its frame; the scene before is so many times brighter.
-    exposure_s, frame_rate_Hz : float or None
-        How long the detector collected it, and how often it takes a frame, where it says so.
-    """
+    """2-D samples with unit, sampling interval and band."""
 
     port_type: ClassVar[str] = "image"
 
-    recipe: Recipe
-    rows: int
+    recipe: Recipe  # makes the pixels, shape (rows, columns)
+    rows: int  # size
     columns: int
-    interval_x_mrad: float | None = None
+    interval_x_mrad: float | None = None  # sampling interval, None where it is not given
     interval_y_mrad: float | None = None
-    unit: str = "W/m²/sr"
-    band_um: tuple[float, float] | None = None
-    header: Header = Header()
+    unit: str = "W/m²/sr"  # unit of the samples
+    band_um: tuple[float, float] | None = None  # cut-on and cut-off wavelength
+    header: Header = Header()  # what the file states, for `Init & Trans`
+    # How the frame goes on beyond its edges, as its transform had it; None where unknown.
     edges: Edges | None = None
-    camera: CameraSheet | None = None
+    camera: CameraSheet | None = None  # the camera that takes it, where one was entered before
+    # From one pixel of the detector to the next across and along, of that camera or Init & Trans.
     pixel_mrad: tuple[float | None, float | None] = (None, None)
+    # The bands of wavelength that the pixels are the integral of, where they are known.
     bands: BandStack | None = None
+    # What the air that it has come through consists of, all along one way.
     air: tuple[AirPath, ...] = ()
+    # What has weighted its wavelengths behind the air: filters, a detector's material.
     responses: tuple[ResponseCurve, ...] = ()
+    # Mean relative illumination of its frame; the scene before is so many times brighter.
     vignetting: float = 1.0
+    # How long the detector collected it, and how often it takes a frame, where it says so.
     exposure_s: float | None = None
     frame_rate_Hz: float | None = None
 
@@ -242,10 +217,7 @@ class Image:
         return replace(self, **{"recipe": recipe, "bands": None, **changes})
 
     def grid(self) -> Grid:
-        """Sampling of the image.
-
-        Raises `DataError` if the interval is not known.
-        """
+        """Sampling of the image."""
         if self.interval_x_mrad is None or self.interval_y_mrad is None:
             raise DataError(
                 "the image has no sampling interval: set fov_x_deg and fov_y_deg on the node that "
@@ -423,43 +395,25 @@ class Table(_Figures):
 
 @dataclass(frozen=True)
 class Pupil:
-    """An exit pupil: a geometric shape, or samples, with a wavefront error in waves.
-
-    Parameters
-    ----------
-    samples : Recipe
-        Makes the amplitude transmission, shape (rows, columns).
-    rows, columns : int
-        Size of the pupil array.
-    shape : PupilShape or None
-        The geometry, where there is one.
-    radius : float or None
-        Radius of the disc on which the wavefront is defined, samples, centred on the array; None
-        for the smallest circle round the samples.
-    defocus_waves : float
-        W20 at the rim.
-    zernike_waves : tuple of float
-        Coefficients in Noll's order from piston on, waves rms.
-    wavefront : Recipe or None
-        Makes a map of the wavefront error of the samples' shape, added to these, in waves of
-        `wavefront_um`.
-    wavefront_um : float or None
-        Wavelength of the map's waves; None for the mean of the band in which it is used.
-    wrapped : bool
-        Whether the map is known modulo a wave only, and so holds at its own wavelength alone.
-    """
+    """An exit pupil: a geometric shape, or samples, with a wavefront error in waves."""
 
     port_type: ClassVar[str] = "pupil"
 
-    samples: Recipe
-    rows: int
+    samples: Recipe  # makes the amplitude transmission, shape (rows, columns)
+    rows: int  # size of the pupil array
     columns: int
-    shape: PupilShape | None
+    shape: PupilShape | None  # the geometry, where there is one
+    # Radius of the disc on which the wavefront is defined, samples, centred on the array; None for
+    # the smallest circle round the samples.
     radius: float | None
-    defocus_waves: float = 0.0
-    zernike_waves: tuple[float, ...] = ()
+    defocus_waves: float = 0.0  # W20 at the rim
+    zernike_waves: tuple[float, ...] = ()  # coefficients in Noll's order from piston on, waves rms
+    # Makes a map of the wavefront error of the samples' shape, added to these, in waves of
+    # `wavefront_um`.
     wavefront: Recipe | None = None
+    # Wavelength of the map's waves; None for the mean of the band in which it is used.
     wavefront_um: float | None = None
+    # Whether the map is known modulo a wave only, and so holds at its own wavelength alone.
     wrapped: bool = False
 
     @cached_property

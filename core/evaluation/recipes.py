@@ -28,10 +28,7 @@ Array = NDArray[Any]
 
 @dataclass(frozen=True)
 class Region:
-    """Samples from row `top` and column `left` on, counted from 0; at least one.
-
-    Raises `ParameterError` for a number that is negative or not whole, or an empty region.
-    """
+    """Samples from row `top` and column `left` on, counted from 0; at least one."""
 
     top: int
     left: int
@@ -64,10 +61,7 @@ class Region:
         return slice(self.top, self.bottom), slice(self.left, self.right)
 
     def within(self, shape: tuple[int, int]) -> Region:
-        """The region itself if a picture of that shape has all of it.
-
-        Raises `ParameterError` if it goes beyond.
-        """
+        """The region itself if a picture of that shape has all of it."""
         if self.bottom > shape[0] or self.right > shape[1]:
             picture = f"within the picture's {shape[0]} rows and {shape[1]} columns"
             raise ParameterError("region", str(self), picture)
@@ -413,8 +407,6 @@ def content_key(*parts: object) -> str:
     Understands what recipes are made of: plain values, tuples, mappings, enumerations, module-level
     functions, small arrays, frozen dataclasses (fields with ``compare=False`` do not count) and
     anything that has a `key` of its own.
-
-    Raises `TypeError` for an object whose content has no defined form.
     """
     # The text of plain values is made in one go: half the time of feeding the hash bit by bit.
     text = repr(_plain(parts)).encode("utf-8", "surrogatepass")

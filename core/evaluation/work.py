@@ -116,8 +116,6 @@ class Work:
         """The value of a recipe, from the store or computed now.
 
         All that it is made of is made once, whatever the store can hold.
-
-        Raises `Cancelled` when the caller has requested a stop.
         """
         key = recipe.key
         self.log.requested[key] = recipe

@@ -168,35 +168,24 @@ Take = Literal["real", "modulus", "phase", "complex"]
 
 @dataclass(frozen=True)
 class Planar:
-    """A factor that does not separate: radial, or any function of xi and eta.
+    """A factor that does not separate: radial, or any function of xi and eta."""
 
-    Parameters
-    ----------
-    law : Law
-        Called as ``law(xi=…, eta=…)``, or ``law(rho=…)`` when `radial`.
-    symmetric : bool
-        Real and even in xi and in eta separately, as for every pupil with a mirror axis.
-    take : "real", "modulus", "phase" or "complex"
-        Which aspect of the law's value this factor carries. A magnitude wire carries "real" or
-        "modulus", a phase wire "phase"; where modulus and phase of one law meet again they become
-        "complex".
-    ratios : (float, float)
-        What xi and eta are multiplied by first: see `rescaled`.
-    cutoff : (float, float) or None
-        Frequencies across and along, cycles/mrad, beyond which the law is 0, where that is known.
-    by_wavelength : WavelengthLaw or None
-        The law at a wavelength, of a factor that differs among those of a picture's bands; `law` is
-        then its mean over them. Without bands there is none.
-    """
-
-    law: Law
+    law: Law  # called as ``law(xi=…, eta=…)``, or ``law(rho=…)`` when `radial`
     radial: bool = False
+    # Real and even in xi and in eta separately, as for every pupil with a mirror axis.
     symmetric: bool = True
+    # Which aspect of the law's value this factor carries. A magnitude wire carries "real" or
+    # "modulus", a phase wire "phase"; where modulus and phase of one law meet again they become
+    # "complex".
     take: Take = "real"
+    # What xi and eta are multiplied by first: see `rescaled`.
     ratios: tuple[float, float] = (1.0, 1.0)
+    # Frequencies across and along, cycles/mrad, beyond which the law is 0, where that is known.
     cutoff: tuple[float, float] | None = field(default=None, compare=False)
     label: str = field(default="", compare=False)
     node: str | None = field(default=None, compare=False)
+    # The law at a wavelength, of a factor that differs among those of a picture's bands; `law` is
+    # then its mean over them. Without bands there is none.
     by_wavelength: WavelengthLaw | None = None
 
     def __post_init__(self) -> None:
