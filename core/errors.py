@@ -323,16 +323,20 @@ PLUG_INS = "imagechain.modules"  # the entry points of packages that bring modul
 def watched(node: str | None, module: str = "") -> Iterator[None]:
     """Refuse overflow, division by zero and invalid operations inside the block.
 
-    Errors are placed on the node: a `DataError`, or a `PlugInError` for any other error in the code
-    of a plug-in. `module` is the key of the node's module, where that is known.
+    Errors are placed on the node: ours, a `DataError`, or a `PlugInError` for any other error in
+    the code of a plug-in. `module` is the key of the node's module, where that is known.
     """
     import numpy as np  # who only looks for plug-ins has no use for it
 
     try:
         with np.errstate(over="raise", invalid="raise", divide="raise"):
             yield
-    except (ImagechainError, MemoryError):
+    except MemoryError:
         raise
+    except ImagechainError as error:
+        if node is None or error.node is not None:
+            raise
+        raise error.at(node) from error
     except Exception as error:
         is_range = isinstance(error, ArithmeticError)
         of_user = is_range and not isinstance(error, ZeroDivisionError)

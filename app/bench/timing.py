@@ -19,7 +19,7 @@ from app.run.shipped import find_network
 from app.run.terminal import versions
 from core.chain.engine import Engine, Plan
 from core.errors import UsageError
-from core.evaluation.store import Store
+from core.evaluation.recipes import Store
 from core.evaluation.work import Policy, Precision
 from core.machine import physical_bytes
 from core.network.file import load_network

@@ -25,7 +25,7 @@ from app.tradeoff.tradeoff_results import default_figures, shown_value, trade_of
 from core.atomic import write_text
 from core.chain.engine import Engine, realize
 from core.errors import InputError, UsageError, printable
-from core.evaluation.store import Store
+from core.evaluation.recipes import Store
 from core.evaluation.work import Policy
 from core.modules.declaration import Library, declaration
 from core.network.file import parse_network

@@ -171,7 +171,7 @@ def run(
     from app.run.evaluation import Figure, TimedWork, main_figures, planned, way_of_running
     from app.run.staging import OPTION, Staging
     from core.chain.engine import Engine
-    from core.evaluation.store import Store
+    from core.evaluation.recipes import Store
 
     library, place, network = options.opened(asked, json)
     left_out: tuple[str, ...] = ()

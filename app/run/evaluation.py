@@ -37,8 +37,7 @@ from core.chain.engine import (
 )
 from core.chain.wires import Curve, Image, Magnitude, Phase, SpectrumWire, Table, Transfer
 from core.errors import DataError, FileError, ImagechainError, UsageError, placed, several
-from core.evaluation.recipes import Recipe, Region
-from core.evaluation.store import Store
+from core.evaluation.recipes import Recipe, Region, Store
 from core.evaluation.work import BlockRun, Policy, Shape, Work
 from core.machine import ScratchDisk, amount_text, is_for_disk, usable_bytes
 from core.modules.parameters import Caution, PendingCheck

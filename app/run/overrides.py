@@ -61,7 +61,7 @@ class GivenNetwork:
         for text in self.scenes:
             from app.run.own_scene import OwnScene, scene_nodes, with_own_scene
             from core.chain.engine import Engine
-            from core.evaluation.store import Store
+            from core.evaluation.recipes import Store
 
             node, _, file = text.partition("=")
             named = file and node in scene_nodes(network, library)

@@ -27,8 +27,7 @@ from core import errors
 from core.atomic import atomic_file, is_held, take, write_bytes, write_text
 from core.chain.engine import Engine, Plan
 from core.chain.wires import Image
-from core.evaluation.recipes import content_key
-from core.evaluation.store import Store
+from core.evaluation.recipes import Store, content_key
 from core.evaluation.work import Policy, Work
 from core.machine import store_bytes
 from core.modules.declaration import Library, declaration

@@ -29,8 +29,7 @@ from core.errors import (
     UnconnectedError,
     watched,
 )
-from core.evaluation.recipes import Recipe, Region, Step, furthest_first
-from core.evaluation.store import Store
+from core.evaluation.recipes import Recipe, Region, Step, Store, furthest_first
 from core.evaluation.work import BlockRun, Policy, Shape, Work
 from core.machine import ScratchDisk, Workers, amount_text
 from core.modules.declaration import (
@@ -203,12 +202,8 @@ class Engine:
         and computes no more than they need.
         """
         value = plan.output(port)
-        node = port.rpartition(".")[0]
-        try:
-            with watched(node):
-                return realize(value, work, region)
-        except ImagechainError as error:
-            raise error.at(node) from error
+        with watched(port.rpartition(".")[0]):
+            return realize(value, work, region)
 
     def readouts(
         self, plan: Plan, node: str, work: Work, names: Collection[str] | None = None
@@ -219,10 +214,8 @@ class Engine:
         with work.hold(recipes) as held:
             for name, value in values.items():
                 if isinstance(value, Recipe):
-                    try:
+                    with watched(node):
                         values[name] = work.value(value)
-                    except ImagechainError as error:
-                        raise error.at(node) from error
                     held.release([value])
         return values
 
@@ -260,11 +253,8 @@ class Engine:
                 continue
             arguments = {name: known[name] for name in readout.needs}
             arguments |= {"axis": readout.axis} if readout.axis else {}
-            try:
-                with watched(node, planned.node.module):
-                    values[readout.name] = getattr(planned.module, readout.method)(**arguments)
-            except ImagechainError as error:
-                raise error.at(node) from error
+            with watched(node, planned.node.module):
+                values[readout.name] = getattr(planned.module, readout.method)(**arguments)
         return values
 
     def _plan_node(
@@ -298,7 +288,7 @@ class Engine:
                 outputs = result._asdict() if result is not None else {}
                 return PlannedNode(node, module, inputs, outputs, result)
         except ImagechainError as error:
-            return PlannedNode(node, inputs=inputs, error=error.at(name))
+            return PlannedNode(node, inputs=inputs, error=error)
 
 
 def _unchanged(

@@ -464,19 +464,11 @@ def picture_step(
 ) -> Callable[[F], F]:
     """Mark a step's function that carries a picture on.
 
-    Parameters
-    ----------
-    picture : str
-        The input that is the picture, the first one if not given.
-    linear : callable, optional
-        Called as ``linear(*inputs, **parameters)`` with the inputs' recipes.
-    noise : callable, optional
-        Called as ``noise(at, *inputs, **parameters)`` with the `AtStep`.
-    looks_at : tuple of str
-        Inputs whose values `noise`, or the linear change, reads.
-    noise_free : callable, optional
-        Called like `linear`, with the picture without noise in the picture's place: what takes the
-        step's place, at its node. It raises `DataError` where nothing is left.
+    `picture` is the input that is the picture, the first one if not given. `linear` is called as
+    ``linear(*inputs, **parameters)`` with the inputs' recipes, `noise` as ``noise(at, *inputs,
+    **parameters)`` with the `AtStep`; `looks_at` are inputs whose values these read. `noise_free`
+    is called like `linear`, with the picture without noise in the picture's place: what takes the
+    step's place, at its node. It raises `DataError` where nothing is left.
     """
 
     def mark(function: F) -> F:

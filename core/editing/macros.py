@@ -188,11 +188,21 @@ def group(
     moved = {
         name: f"{fresh}{SEPARATOR}{name}" for name in operations.of_nodes(members, network.nodes)
     }
-
-    body, lifted = _body(network, members, face, moved, values)
-    noises = {inner: _with_noise(node, where + inner, noisy) for inner, node in body.nodes.items()}
+    nodes = {one: node for one, node in network.nodes.items() if one in members}
+    lifted = {}
+    for outer, (own, parameter) in parameters.items():
+        if _follows_others(network.nodes[own], parameter, members):
+            lifted[outer] = with_names(network.nodes[own], moved).params[parameter]
+            params = operations.with_field(nodes[own].params, parameter, values.get(outer, ABSENT))
+            nodes[own] = replace(nodes[own], params=params)
+    body = Network(
+        nodes={inside: _with_noise(node, where + inside, noisy) for inside, node in nodes.items()},
+        links=tuple(one for one in network.links if {one.source, one.target} <= nodes.keys()),
+        layout={inside: at for inside, at in network.layout.items() if inside in nodes},
+        extra={**face.fields(), **joined_fields({}, dots_among(network, nodes))},
+    )
     try:
-        after = _with_macro(network, fresh, face, body.with_nodes(noises), lifted, moved)
+        after = _with_macro(network, fresh, face, body, lifted, moved)
     except NetworkError as error:
         if "cycle" not in error.message:
             raise
@@ -223,32 +233,66 @@ def ungroup(
         for inner in body.nodes
         for old in operations.of_nodes([inner], body.nodes)
     }
-    after = _without_macro(network, node, fresh, moved, noisy, where)
-    return tuple(fresh.values()), operations.restored(after, f"Ungroup {name}", moved)
+    body = opened(node, linked=False)
+    face, around = face_of_macro(body), face_of_macro(network)
 
+    def placed(end: End) -> End:
+        return fresh[end[0]], end[1]
 
-def _body(
-    network: Network,
-    members: Collection[str],
-    face: Interface,
-    moved: Mapping[str, str],
-    values: Mapping[str, Any],
-) -> tuple[Network, dict[str, Any]]:
-    nodes = {name: node for name, node in network.nodes.items() if name in members}
-    lifted = {}
-    for name, (own, parameter) in face.parameters.items():
-        if not _follows_others(network.nodes[own], parameter, members):
+    def instead(leader: str, parameter: str) -> End:
+        end = face.parameters.get(parameter) if leader == name else None
+        return (linked_values.new_name(leader, moved), parameter) if end is None else placed(end)
+
+    nodes: dict[str, Node] = {}
+    for other, one in network.nodes.items():
+        changed = with_references(one, instead)
+        if other != name:
+            nodes[other] = changed
             continue
-        lifted[name] = with_names(network.nodes[own], moved).params[parameter]
-        params = operations.with_field(nodes[own].params, parameter, values.get(name, ABSENT))
-        nodes[own] = replace(nodes[own], params=params)
-    links = (link for link in network.links if {link.source, link.target} <= nodes.keys())
-    return Network(
-        nodes=nodes,
-        links=tuple(links),
-        layout={name: at for name, at in network.layout.items() if name in nodes},
-        extra={**face.fields(), **joined_fields({}, dots_among(network, nodes))},
-    ), lifted
+        for old, plain in _plain_nodes(changed, body, face, fresh).items():
+            noise = _with_noise(plain, f"{where}{name}{SEPARATOR}{old}", noisy)
+            nodes[fresh[old]] = _without_own(noise, where + fresh[old])
+    x, y = 0.0, 0.0  # how far the macro was moved since it stood in the middle of its nodes
+    if body.layout and name in network.layout:
+        middle, at = _middle(body.layout), network.layout[name]
+        x, y = at[0] - middle[0], at[1] - middle[1]
+    layout = {other: at for other, at in network.layout.items() if other != name}
+    for old, at in body.layout.items():
+        if old in body.nodes:
+            layout[fresh[old]] = at[0] + x, at[1] + y
+    extra = operations.renamed(
+        operations.without_dots(network.extra, _links_at(network, {name})), moved
+    )
+    if backdrops_of(body):
+        extra[BACKDROPS] = [
+            *thaw(network.extra.get(BACKDROPS, [])),
+            *(
+                {**entry, "x": entry["x"] + x, "y": entry["y"] + y}
+                for entry in thaw(body.extra[BACKDROPS])
+                if isinstance(entry, dict) and {"x", "y"} <= entry.keys()
+            ),
+        ]
+    dots = {
+        link.renamed(fresh): tuple(shifted(at, (x, y)) for at in points)
+        for link, points in dots_of(body).items()
+    }
+    extra |= joined_fields(extra, dots)
+    outputs, parameters = (
+        {port: (end,) for port, end in ends.items()} for ends in (face.outputs, face.parameters)
+    )
+
+    def behind(of: Mapping[str, Iterable[End]]) -> Callable[[End], Iterable[End]]:
+        return lambda end: map(placed, of.get(end[1], ())) if end[0] == name else (end,)
+
+    starts, ends = behind(outputs), behind(face.inputs)
+    links = [link.renamed(fresh) for link in body.links]
+    for link in network.links:
+        targets = tuple(ends((link.target, link.input)))
+        links += [Link(*s, *t) for s in starts((link.source, link.output)) for t in targets]
+    after = replace(network, nodes=nodes, links=tuple(links), layout=layout, extra=extra)
+    if around != Interface():
+        after = with_face(after, around.mapped(ends, starts, behind(parameters)))
+    return tuple(fresh.values()), operations.restored(after, f"Ungroup {name}", moved)
 
 
 def _with_macro(
@@ -295,73 +339,6 @@ def _with_macro(
     if loops and not cycles(network.followers):
         raise cycle_error(loops[0])
     return changed
-
-
-def _without_macro(
-    network: Network,
-    macro: Node,
-    fresh: Mapping[str, str],
-    moved: Mapping[str, str],
-    noisy: frozenset[str],
-    where: str,
-) -> Network:
-    name, body = macro.id, opened(macro, linked=False)
-    face, around = face_of_macro(body), face_of_macro(network)
-
-    def inner(end: End) -> End:
-        return fresh[end[0]], end[1]
-
-    def instead(leader: str, parameter: str) -> End:
-        end = face.parameters.get(parameter) if leader == name else None
-        return (linked_values.new_name(leader, moved), parameter) if end is None else inner(end)
-
-    nodes: dict[str, Node] = {}
-    for other, node in network.nodes.items():
-        changed = with_references(node, instead)
-        if other != name:
-            nodes[other] = changed
-            continue
-        for old, plain in _plain_nodes(changed, body, face, fresh).items():
-            noise = _with_noise(plain, f"{where}{name}{SEPARATOR}{old}", noisy)
-            nodes[fresh[old]] = _without_own(noise, where + fresh[old])
-    x, y = _shift(network, name, body)
-    layout = {other: at for other, at in network.layout.items() if other != name}
-    for old, at in body.layout.items():
-        if old in body.nodes:
-            layout[fresh[old]] = at[0] + x, at[1] + y
-    extra = operations.renamed(
-        operations.without_dots(network.extra, _links_at(network, {name})), moved
-    )
-    if backdrops_of(body):
-        extra[BACKDROPS] = [
-            *thaw(network.extra.get(BACKDROPS, [])),
-            *(
-                {**entry, "x": entry["x"] + x, "y": entry["y"] + y}
-                for entry in thaw(body.extra[BACKDROPS])
-                if isinstance(entry, dict) and {"x", "y"} <= entry.keys()
-            ),
-        ]
-    dots = {
-        link.renamed(fresh): tuple(shifted(at, (x, y)) for at in points)
-        for link, points in dots_of(body).items()
-    }
-    extra |= joined_fields(extra, dots)
-    outputs, parameters = (
-        {port: (end,) for port, end in ends.items()} for ends in (face.outputs, face.parameters)
-    )
-
-    def behind(of: Mapping[str, Iterable[End]]) -> Callable[[End], Iterable[End]]:
-        return lambda end: map(inner, of.get(end[1], ())) if end[0] == name else (end,)
-
-    starts, ends = behind(outputs), behind(face.inputs)
-    links = [link.renamed(fresh) for link in body.links]
-    for link in network.links:
-        targets = tuple(ends((link.target, link.input)))
-        links += [Link(*s, *t) for s in starts((link.source, link.output)) for t in targets]
-    after = replace(network, nodes=nodes, links=tuple(links), layout=layout, extra=extra)
-    if around == Interface():
-        return after
-    return with_face(after, around.mapped(ends, starts, behind(parameters)))
 
 
 def _plain_nodes(
@@ -423,14 +400,6 @@ def _each_inside(macro: Node, change: Callable[[Node], Node]) -> Node:
 def _middle(layout: Mapping[str, Point]) -> Point:
     xs, ys = zip(*layout.values(), strict=True)
     return (min(xs) + max(xs)) / 2, (min(ys) + max(ys)) / 2
-
-
-def _shift(network: Network, macro: str, body: Network) -> Point:
-    """How far a macro has been moved since it stood in the middle of its nodes."""
-    if not body.layout or macro not in network.layout:
-        return 0.0, 0.0
-    middle, at = _middle(body.layout), network.layout[macro]
-    return at[0] - middle[0], at[1] - middle[1]
 
 
 def _links_at(network: Network, names: Collection[str]) -> set[Link]:

@@ -1,4 +1,4 @@
-"""Recipes: how a value is made, without the value.
+"""Recipes, how a value is made without the value, and the store of the values made.
 
 A recipe has a content key. Two recipes with equal keys give the same value to the last bit, so the
 value is made once and shared. Nothing is computed until `Work.value` is called. `Work.part` gives a
@@ -8,19 +8,23 @@ region of a picture alone; a recipe that is `in_parts` then makes no more than t
 from __future__ import annotations
 
 import hashlib
+import threading
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections import OrderedDict
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from enum import Enum
 from functools import cached_property, partial, update_wrapper
 from inspect import signature
 from numbers import Integral
 from pathlib import Path
 from typing import Any, TypeVar
+from weakref import WeakValueDictionary
 
 import numpy as np
 from numpy.typing import NDArray
 
 from core.errors import ParameterError
+from core.machine import is_on_disk, store_bytes
 from core.records import dataclass, field, fields, is_dataclass
 
 Array = NDArray[Any]
@@ -267,32 +271,33 @@ class Step(Recipe):
 
     @property
     def in_blocks(self) -> bool:
-        able: Callable[..., bool] | None = getattr(self.function, "in_blocks", None)
-        return super().in_blocks if able is None else able(**dict(self.parameters))
+        able = self._mark("in_blocks")
+        return bool(able(**dict(self.parameters))) if able else super().in_blocks
 
     @property
     def held_size(self) -> tuple[int, int] | None:
-        size: Callable[..., tuple[int, int]] | None = getattr(self.function, "held_size", None)
-        return None if size is None else size(**dict(self.parameters))
+        size = self._mark("held_size")
+        return size(**dict(self.parameters)) if size else None
 
     def compute_part(self, work: Evaluation, region: Region) -> Any:
-        make: Callable[..., Any] = self.function.part  # type: ignore[attr-defined]
-        return make(work, region, *self.inputs, **dict(self.parameters))
+        return self._mark("part")(work, region, *self.inputs, **dict(self.parameters))
 
     @property
     def lineage(self) -> Any:
-        declared: Callable[[Step], Any] = getattr(self.function, "lineage", _ended)
-        return declared(self)
+        return (self._mark("lineage") or _ended)(self)
 
     @property
     def reason(self) -> Step | None:
         """Makes the text of why the value is None, if the function is marked with one."""
-        why: Callable[..., str] | None = getattr(self.function, "reason", None)
-        return None if why is None else Step(why, self.inputs, self.parameters, self.node)
+        why = self._mark("reason")
+        return Step(why, self.inputs, self.parameters, self.node) if why else None
 
     def share(self, region: Region, shape: tuple[int, int]) -> float:
-        share: Share = getattr(self.function, "share", None) or super().share
+        share: Share = self._mark("share") or super().share
         return share(region, shape)
+
+    def _mark(self, name: str) -> Any:
+        return getattr(self.function, name, None)
 
 
 def marked(**marks: Any) -> Callable[[F], F]:
@@ -451,3 +456,158 @@ def _plain_object(part: Any) -> tuple[Any, ...]:
 
 
 _PLAIN = frozenset({str, int, float, bool, type(None)})
+
+
+# The store of computed values: least recently used out first, bounded in bytes.
+#
+# A pinned value stays, whatever its size, until the last one lets it go.
+
+
+def _parts(value: object) -> Collection[object]:
+    if isinstance(value, tuple | list):
+        return value
+    return (value if isinstance(value, dict) else getattr(value, "__dict__", {})).values()
+
+
+def size_in_bytes(value: object) -> int:
+    """Bytes of memory a value keeps alive, nearly: arrays count, and containers of arrays."""
+    if is_on_disk(value):
+        return 64
+    if isinstance(value, np.ndarray):
+        return int(value.nbytes)
+    return 64 + sum(map(size_in_bytes, _parts(value)))
+
+
+def freeze(value: object) -> None:
+    """Make the arrays of a value read-only: what is handed out is shared."""
+    if isinstance(value, np.ndarray):
+        value.flags.writeable = False
+        return
+    for part in _parts(value):
+        freeze(part)
+
+
+_ABSENT = object()
+
+
+class Store:
+    """Values by key. One computation per key at a time; safe to share between threads.
+
+    `capacity_bytes` may stay beside what is pinned; by default what the machine's memory allows.
+    """
+
+    def __init__(self, capacity_bytes: int | None = None) -> None:
+        self.capacity_bytes = store_bytes() if capacity_bytes is None else capacity_bytes
+        self._values: OrderedDict[str, tuple[Any, int]] = OrderedDict()
+        self._pinned: dict[str, tuple[Any, int]] = {}
+        self._pins: dict[str, int] = {}
+        self._bytes = 0
+        self._lock = threading.Lock()
+        self._running: WeakValueDictionary[str, Any] = WeakValueDictionary()
+        """Locks of the keys that are under computation, as long as a thread holds or awaits one."""
+
+    def __len__(self) -> int:
+        return len(self._values) + len(self._pinned)
+
+    @property
+    def used_bytes(self) -> int:
+        return self._bytes
+
+    @property
+    def pinned(self) -> int:
+        return len(self._pins)
+
+    def peek(self, key: str, default: Any = None) -> Any:
+        """The value of `key` if it is there, else `default`; never computes."""
+        with self._lock:
+            entry = self._values.get(key)
+            if entry is not None:
+                self._values.move_to_end(key)
+                return entry[0]
+            entry = self._pinned.get(key)
+            return default if entry is None else entry[0]
+
+    def holds(self, key: str) -> bool:
+        return self.peek(key, _ABSENT) is not _ABSENT
+
+    def pin(self, key: str) -> bool:
+        """Keep the value of `key`, or what it will be, until unpinned as often; if it is there."""
+        with self._lock:
+            self._pins[key] = self._pins.get(key, 0) + 1
+            entry = self._values.pop(key, None)
+            if entry is not None:
+                self._pinned[key] = entry
+                return True
+        return self.holds(key)
+
+    def unpin(self, key: str) -> None:
+        """Take back one `pin`; after the last the value stays while there is room."""
+        with self._lock:
+            left = self._pins[key] - 1
+            if left:
+                self._pins[key] = left
+                return
+            del self._pins[key]
+            entry = self._pinned.pop(key, None)
+            if entry is not None:
+                self._bytes -= entry[1]
+                self._keep(key, *entry)
+
+    def get(self, key: str, compute: Callable[[], Any]) -> Any:
+        """The value of `key`, computed if it is not there.
+
+        A second thread that reads a key under computation waits for it. An error is not kept:
+        the next read tries again.
+        """
+        stored = self.peek(key, _ABSENT)
+        if stored is not _ABSENT:
+            return stored
+        with self._lock:
+            running = self._running.setdefault(key, threading.RLock())
+        with running:
+            stored = self.peek(key, _ABSENT)
+            if stored is not _ABSENT:
+                return stored
+            value = compute()
+            freeze(value)
+            if isinstance(value, np.ndarray):
+                value = value.view()  # a view of a read-only array cannot be made writeable
+            self._put(key, value)
+            return value
+
+    def drop(self, key: str) -> None:
+        with self._lock:
+            self._bytes -= self._values.pop(key, (None, 0))[1]
+
+    def clear(self) -> None:
+        with self._lock:
+            self._values.clear()
+            self._pinned.clear()
+            self._bytes = 0
+
+    def _put(self, key: str, value: Any) -> None:
+        size = size_in_bytes(value)
+        with self._lock:
+            for entries in (self._values, self._pinned):
+                self._bytes -= entries.pop(key, (None, 0))[1]
+            if key not in self._pins:
+                self._keep(key, value, size)
+                return
+            self._pinned[key] = (value, size)
+            self._bytes += size
+            self._make_room()
+
+    def _keep(self, key: str, value: Any, size: int) -> None:
+        """Take in a value that is not pinned; one too large leaves the others alone.
+
+        Nor does one on disk stay: there it would never be too much.
+        """
+        if size <= self.capacity_bytes and not is_on_disk(value):
+            self._values[key] = (value, size)
+            self._bytes += size
+            self._make_room()
+
+    def _make_room(self) -> None:
+        while self._bytes > self.capacity_bytes and self._values:
+            _, (_, dropped) = self._values.popitem(last=False)
+            self._bytes -= dropped

@@ -11,8 +11,7 @@ from typing import Any, Literal
 import numpy as np
 
 from core.errors import Cancelled, ImagechainError, ParameterError, watched
-from core.evaluation.recipes import Recipe, Region
-from core.evaluation.store import EvaluationLog, Store
+from core.evaluation.recipes import Recipe, Region, Store
 from core.machine import ScratchDisk, Workers
 from core.records import dataclass
 
@@ -64,6 +63,41 @@ class Policy:
     def key(self) -> str:
         """What of the policy a result depends on."""
         return f"{self.precision}/{self.budget!r}"
+
+
+# What one evaluation requested, and what of it had to be computed.
+
+
+class EvaluationLog:
+    """Notes of one evaluation; nothing that is computed depends on them.
+
+    Each note is one operation on a built-in dict or set, which threads may share.
+    """
+
+    def __init__(self) -> None:
+        self.requested: dict[str, Recipe] = {}
+        """Recipes whose value was requested, by key."""
+        self.parts: dict[tuple[str, Region], Recipe] = {}
+        """Pictures of which a region was requested."""
+        self.computed: set[str | tuple[str, Region]] = set()
+        """Those of both whose computation was begun."""
+        self.looked_at: set[str] = set()
+        """Keys of spectra and transfer functions of which an array was made."""
+
+    def add(self, other: "EvaluationLog") -> None:
+        self.requested.update(other.requested)
+        self.parts.update(other.parts)
+        self.computed |= other.computed
+        self.looked_at |= other.looked_at
+
+    def reused(self) -> list[Recipe]:
+        """Recipes whose value, or the requested part of it, was there already."""
+        whole = [recipe for key, recipe in list(self.requested.items()) if key not in self.computed]
+        return whole + [
+            recipe
+            for (key, region), recipe in list(self.parts.items())
+            if key not in self.requested and (key, region) not in self.computed
+        ]
 
 
 Shape = tuple[int, int]
@@ -333,18 +367,11 @@ class Work:
         self.check()
         if self._progress is not None:
             self._progress(recipe.node)
-        try:
-            with watched(recipe.node):
-                if region is not None:
-                    return recipe.compute_part(self, region)
-                shape = None if self.blocks is None else self.blocks.slabs_of(recipe)
-                if shape is not None:
-                    return self._in_slabs(recipe, shape)
-                return recipe.compute(self)
-        except ImagechainError as error:
-            if recipe.node is None:
-                raise
-            raise error.at(recipe.node) from error
+        with watched(recipe.node):
+            if region is not None:
+                return recipe.compute_part(self, region)
+            shape = None if self.blocks is None else self.blocks.slabs_of(recipe)
+            return recipe.compute(self) if shape is None else self._in_slabs(recipe, shape)
 
 
 class Claims:

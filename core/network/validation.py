@@ -2,11 +2,10 @@
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from functools import partial
 from typing import Any
 
 from core.errors import ImagechainError, NetworkError, ParameterError, close, shown, thaw, watched
-from core.modules.declaration import Declaration, Library, Module, Port, declaration, where_absent
+from core.modules.declaration import Declaration, Library, Port, declaration, where_absent
 from core.network.linked_values import with_values
 from core.network.macro import (
     SEPARATOR,
@@ -138,13 +137,13 @@ class _Survey:
         if len(self.faults) == before:
             # Combinations make sense to judge only once each value does.
             module = self.library[node.module]
-            self._attempt(node, partial(_build_and_check, module, node), values)
+            self._attempt(node, lambda given: module.build(given).check(), values)
 
     def _attempt(self, node: Node, step: Callable[[Any], object], value: Any) -> None:
         try:
-            step(value)
+            with watched(node.id, node.module):
+                step(value)
         except ImagechainError as error:
-            error.node = error.node or node.id
             self.faults.append(error)
 
     def links(self) -> None:
@@ -218,11 +217,6 @@ class _Survey:
         if main in through:
             sources.add(through[main])
         return [port for port in declared.inputs if port.name in sources]
-
-
-def _build_and_check(module: type[Module], node: Node, values: Mapping[str, Any]) -> None:
-    with watched(node.id, node.module):
-        module.build(values).check()
 
 
 def _listed(names: Iterable[str]) -> str:

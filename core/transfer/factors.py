@@ -10,14 +10,13 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
 from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from core.errors import ImagechainError, watched
+from core.errors import watched
 from core.evaluation.recipes import Recipe, content_key
 from core.evaluation.work import Work
 from core.physics.sampling.detector_sampling import (
@@ -100,15 +99,6 @@ class AtWavelength(WavelengthLaw):
         return replace(self.law, parameters=tuple(sorted(bound.items())))
 
 
-@contextmanager
-def _placed(node: str | None) -> Iterator[None]:
-    try:
-        with watched(node):
-            yield
-    except ImagechainError as error:
-        raise (error.at(node) if node else error) from error
-
-
 @dataclass(frozen=True)
 class Separable:
     """fx(xi)·fy(eta) for an MTF, fx(xi) + fy(eta) for a PTF; a missing law is 1 or 0.
@@ -124,7 +114,7 @@ class Separable:
     node: str | None = field(default=None, compare=False)
 
     def __post_init__(self) -> None:
-        with _placed(self.node):
+        with watched(self.node):
             for law in self.laws:
                 law.check(self.argument)
 
@@ -147,7 +137,7 @@ class Separable:
         """Values of one axis' law at `frequency`, or None where there is none."""
         if law is None:
             return None
-        with _placed(self.node):
+        with watched(self.node):
             return np.asarray(law(work, **{self.argument: frequency}), np.float64)
 
     def plane(self, work: Work | None, xi: Array, eta: Array) -> Array:
@@ -189,7 +179,7 @@ class Planar:
     by_wavelength: WavelengthLaw | None = None
 
     def __post_init__(self) -> None:
-        with _placed(self.node):
+        with watched(self.node):
             self.law.check(*(("rho",) if self.radial else ("xi", "eta")))
 
     @property
@@ -249,7 +239,7 @@ class Planar:
     def _evaluate(self, work: Work | None, xi: Array, eta: Array) -> Array:
         if self.ratios != (1.0, 1.0):
             xi, eta = xi * self.ratios[0], eta * self.ratios[1]
-        with _placed(self.node):
+        with watched(self.node):
             if self.radial:
                 # Ten times as fast as hypot, and frequencies are far from where it overflows.
                 return np.asarray(self.law(work, rho=np.sqrt(xi * xi + eta * eta)))

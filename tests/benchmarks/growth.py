@@ -178,8 +178,7 @@ def _peak(file: str, size: int) -> dict[str, Any]:
     from app.bench.timing import FINAL, SCENE, kodak_network
     from app.command.network_run import KEPT_BYTES
     from core.chain.engine import Engine, asked_for
-    from core.evaluation.recipes import Recipe
-    from core.evaluation.store import Store
+    from core.evaluation.recipes import Recipe, Store
     from core.evaluation.work import Policy
     from core.network.network import Node
     from nodes.library import standard_library

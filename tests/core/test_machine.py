@@ -10,8 +10,7 @@ from core.chain.back_transformed import back_transform, combine_pixels
 from core.chain.random_fields import local_mean
 from core.chain.wires import Image, Magnitude, Phase
 from core.errors import FileError
-from core.evaluation.recipes import Step, in_blocks
-from core.evaluation.store import Store, size_in_bytes
+from core.evaluation.recipes import Step, Store, in_blocks, size_in_bytes
 from core.evaluation.work import BlockRun, Policy, Work
 from core.machine import ScratchDisk, is_on_disk
 from core.transfer.factors import Law, Planar, Separable

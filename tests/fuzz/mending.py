@@ -8,7 +8,7 @@ from app.run.evaluation import planned
 from battery_settings import SMALL_PUPIL
 from core.chain.engine import Engine
 from core.errors import InputError, ParameterError
-from core.evaluation.store import Store
+from core.evaluation.recipes import Store
 from core.network.file import parse_network
 from core.network.validation import NetworkProblems, check_network
 from nodes.library import standard_library

@@ -5,7 +5,7 @@ from typing import Any
 
 from arithmetic_modules import LIBRARY
 from core.chain.engine import Engine
-from core.evaluation.store import Store
+from core.evaluation.recipes import Store
 from core.evaluation.work import Policy, Work
 from core.network.network import Network
 from linked_network import linked_network

@@ -25,7 +25,7 @@ from app.editor.viewers.viewer import StatusLine
 from app.editor.widgets import RIGHT, CopiedTable, FlowLayout, filled, labelled, tool_button
 from core.editing.operations import Operation, set_parameter, together
 from core.errors import ParameterError, UsageError
-from core.evaluation.store import Store
+from core.evaluation.recipes import Store
 from core.evaluation.work import Policy
 from core.modules.parameters import Parameter, plain
 from core.network.network import Network

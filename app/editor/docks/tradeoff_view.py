@@ -36,7 +36,7 @@ from app.tradeoff.tradeoff_results import (
 )
 from core.chain.engine import Plan
 from core.errors import ImagechainError, UsageError
-from core.evaluation.store import Store
+from core.evaluation.recipes import Store
 from core.evaluation.work import Work
 from core.network.network import Network
 from core.records import dataclass

@@ -27,7 +27,7 @@ from app.editor.evaluation.queries import (
 from app.editor.evaluation.runner import PAUSE_S, Runner
 from app.editor.session import Session
 from core.chain.engine import Plan
-from core.evaluation.store import Store
+from core.evaluation.recipes import Store
 from core.evaluation.work import Policy
 from core.network.network import Network
 

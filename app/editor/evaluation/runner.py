@@ -31,9 +31,8 @@ from app.editor.evaluation.queries import (
 from core.chain.engine import Engine, Plan
 from core.chain.skipped import skips
 from core.errors import Cancelled, ImagechainError
-from core.evaluation.recipes import Recipe, Region
-from core.evaluation.store import EvaluationLog, Store
-from core.evaluation.work import Policy, Work
+from core.evaluation.recipes import Recipe, Region, Store
+from core.evaluation.work import EvaluationLog, Policy, Work
 from core.machine import Workers
 from core.modules.declaration import Library
 from core.modules.parameters import Caution, PendingCheck

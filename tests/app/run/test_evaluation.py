@@ -9,7 +9,7 @@ import pytest
 from app.run.evaluation import TimedWork, evaluate, needed_later, planned
 from core.chain.engine import Engine
 from core.chain.skipped import skips
-from core.evaluation.store import Store
+from core.evaluation.recipes import Store
 from core.evaluation.work import Policy
 from core.network.file import load_network
 from core.network.network import Network

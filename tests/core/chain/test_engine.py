@@ -10,7 +10,7 @@ import pytest
 from core.chain.engine import Engine
 from core.chain.wires import MOST_STAGES, Magnitude
 from core.errors import Cancelled, DataError, NetworkError, ParameterError, UnconnectedError
-from core.evaluation.store import Store
+from core.evaluation.recipes import Store
 from core.evaluation.work import Policy, Work
 from core.network.file import load_network
 from core.transfer.factors import Grid, Law, Separable

@@ -19,7 +19,7 @@ from core.chain.random_fields import (
     uniform_field,
 )
 from core.errors import DataError
-from core.evaluation.store import Store
+from core.evaluation.recipes import Store
 from core.evaluation.work import Policy, Work
 from core.machine import Workers
 

@@ -6,8 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from core.errors import ParameterError
-from core.evaluation.recipes import Region, Step, in_parts, pointwise, runs
-from core.evaluation.store import Store
+from core.evaluation.recipes import Region, Step, Store, in_parts, pointwise, runs
 from core.evaluation.work import Policy, Work
 from engine_bench import CHAIN, CHAIN_LINKS, Bench, network
 

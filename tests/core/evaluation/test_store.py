@@ -11,8 +11,7 @@ import pytest
 from child_process import PATIENCE_S
 from core import machine
 from core.errors import DataError
-from core.evaluation.recipes import content_key
-from core.evaluation.store import Store, size_in_bytes
+from core.evaluation.recipes import Store, content_key, size_in_bytes
 from core.transfer.factors import Grid
 
 

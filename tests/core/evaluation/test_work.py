@@ -8,8 +8,7 @@ import pytest
 
 from core.chain.random_fields import at_frame
 from core.errors import Cancelled, DataError
-from core.evaluation.recipes import Region, Step, pointwise
-from core.evaluation.store import Store
+from core.evaluation.recipes import Region, Step, Store, pointwise
 from core.evaluation.work import Claims, Policy, Work
 
 DEEP = 5000

@@ -7,8 +7,7 @@ from hypothesis import strategies as st
 
 from core.chain.back_transformed import Delivered, back_transform
 from core.chain.wires import Image, Magnitude, Phase
-from core.evaluation.recipes import Step
-from core.evaluation.store import Store
+from core.evaluation.recipes import Step, Store
 from core.evaluation.work import Policy, Work
 from core.transfer.factors import Grid, Law, Planar, Separable, spend, stage_bound
 from thorough import examples

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from core import kernels
-from core.evaluation.store import Store
+from core.evaluation.recipes import Store
 from core.evaluation.work import Policy, Work
 from core.transfer import periodic
 from core.transfer import periodic as fourier

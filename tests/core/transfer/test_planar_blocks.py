@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from core.evaluation.store import Store
+from core.evaluation.recipes import Store
 from core.evaluation.work import Policy, Work
 from core.physics.optics.diffraction_otf import band_wavelengths
 from core.physics.optics.overlap_area import annular_otf

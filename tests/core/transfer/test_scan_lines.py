@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from core.chain.band_stack import band_mean_otf
-from core.evaluation.store import Store
+from core.evaluation.recipes import Store
 from core.evaluation.work import Policy, Work
 from core.physics.optics.diffraction_otf import Aperture, diffraction_otf
 from core.physics.sampling.platform_motion import line_intervals_mrad, view_angles_rad

@@ -7,7 +7,7 @@ import pytest
 
 from core.chain.engine import Engine
 from core.errors import ImagechainError, InputError
-from core.evaluation.store import Store
+from core.evaluation.recipes import Store
 from noise_bench import BOUND, FULL, LIBRARY, NOISY, QUIET, assert_rms, network, rms
 
 

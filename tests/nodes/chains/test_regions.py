@@ -9,8 +9,7 @@ from analytic_stages import CHAINS
 from core.chain.engine import Engine
 from core.chain.random_fields import BLOCK
 from core.chain.skipped import skips
-from core.evaluation.recipes import Region
-from core.evaluation.store import Store
+from core.evaluation.recipes import Region, Store
 from core.evaluation.work import Policy, Work
 from delivered_chains import chain_network, scene
 from drawn_networks import SMALL, drawn, frames

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from core.errors import DataError, FileError, ParameterError
-from core.evaluation.store import Store
+from core.evaluation.recipes import Store
 from core.evaluation.work import Policy, Work
 from cube_files import PHOTON_J_UM, centres, materials_cube, write_cube
 from node_bench import NodeBench, square_detectors

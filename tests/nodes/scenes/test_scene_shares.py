@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from core.chain.engine import Engine
-from core.evaluation.store import size_in_bytes
+from core.evaluation.recipes import size_in_bytes
 from core.evaluation.work import Policy
 from core.network.network import Network, Node
 from nodes.library import standard_library
