@@ -30,9 +30,7 @@ from core.chain.engine import (
     Engine,
     Plan,
     asked_for,
-    largest_picture,
     least_scratch,
-    planned_blocks,
     realize,
 )
 from core.chain.wires import Curve, Image, Magnitude, Phase, SpectrumWire, Table, Transfer
@@ -244,7 +242,7 @@ class WayOfRunning:
 
 def way_of_running(plan: Plan, policy: Policy, memory_bytes: int | None) -> WayOfRunning:
     """The way for a network under a budget, by default half of what the process may use."""
-    largest = largest_picture(plan, policy)
+    largest = plan.largest_picture(policy)
     if memory_bytes is not None:
         return WayOfRunning(memory_bytes, *largest)
     usable = usable_bytes()
@@ -285,7 +283,7 @@ def blocks_of(
         later = needed_later(plan, ports, report=report, in_blocks=True)
         recipes = [*read_by_evaluation(engine, plan), *later]
         try:
-            blocks = planned_blocks(plan, recipes, disk, policy)
+            blocks = plan.blocks(recipes, disk, policy)
         except DataError:
             if way.needed_bytes > way.at_most_bytes:
                 raise

@@ -8,19 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from core.chain import wires
 from core.chain.back_transformed import Delivered
 from core.chain.band_stack import BandStack
-from core.chain.wires import (
-    Curve,
-    Image,
-    Phase,
-    SampledTransfer,
-    SpectrumWire,
-    Table,
-    Transfer,
-    spectrum,
-    transfer_plane,
-)
+from core.chain.wires import Curve, Image, SpectrumWire, Table, Transfer
 from core.errors import (
     DataError,
     ImagechainError,
@@ -32,15 +23,7 @@ from core.errors import (
 from core.evaluation.recipes import Recipe, Region, Step, Store, furthest_first
 from core.evaluation.work import BlockRun, Policy, Shape, Work
 from core.machine import ScratchDisk, Workers, amount_text
-from core.modules.declaration import (
-    GIVEN,
-    Declaration,
-    Library,
-    Module,
-    NodeContext,
-    Readout,
-    declaration,
-)
+from core.modules.declaration import Declaration, Library, Module, NodeContext, Readout, declaration
 from core.modules.parameters import Caution, PendingCheck, checked
 from core.network.linked_values import with_values
 from core.network.network import Link, Network, Node, passed_through
@@ -84,7 +67,7 @@ class PlannedNode:
         """
         if self.error is not None or self.module is None or self.node.disabled:
             return ()
-        known = {**self.inputs, "outputs": self.result, GIVEN: frozenset(self.node.params)}
+        known = {**self.inputs, "outputs": self.result, "given": frozenset(self.node.params)}
         results = []
         for check in self.declaration.warnings:
             method = getattr(self.module, check.name)
@@ -134,6 +117,36 @@ class Plan:
     def warnings(self) -> list[Caution]:
         """What the nodes warn of without looking at samples, in order."""
         return [check for check in self.checks() if isinstance(check, Caution)]
+
+    @property
+    def images(self) -> list[Image]:
+        outputs = (value for node in self.nodes.values() for value in node.outputs.values())
+        return [value for value in outputs if isinstance(value, Image)]
+
+    def largest_picture(self, policy: Policy) -> tuple[Shape, int]:
+        """The largest picture that is planned, and the memory it takes; empty without any."""
+        shapes = {value.shape for value in self.images}
+        rows, columns = max(shapes, key=lambda shape: shape[0] * shape[1], default=(0, 0))
+        return (rows, columns), rows * columns * policy.dtype.itemsize * IN_MEMORY_AT_ONCE
+
+    def blocks(self, recipes: Iterable[Recipe], disk: ScratchDisk, policy: Policy) -> BlockRun:
+        """What a run in blocks keeps on disk, where it reads the values of all these recipes."""
+        pictures = {value.key: value.shape for value in self.images}
+        on_disk: dict[str, Shape] = {}
+        for recipe in _furthest_first(recipes):
+            shape = _shape(recipe, pictures)
+            if shape is not None:
+                pictures[recipe.key] = shape
+                if disk.wants(shape, policy.dtype):
+                    on_disk[recipe.key] = shape
+            made_of = (*recipe.inputs, recipe)
+            large = [on_disk[one.key] for one in made_of if one.key in on_disk]
+            held = recipe.held_size
+            if held is not None and not disk.wants(held, policy.dtype):
+                continue
+            if large and not recipe.in_blocks:
+                raise _refusal(recipe, max(large), disk)
+        return BlockRun(disk, on_disk)
 
 
 class Engine:
@@ -388,14 +401,14 @@ def realize(value: Any, work: Work, region: Region | None = None) -> Any:
         work.log.looked_at.add(value.key)
     if isinstance(value, Transfer):
         if value.own is not None:
-            sampled: SampledTransfer = work.value(value.own)
+            sampled: wires.SampledTransfer = work.value(value.own)
             return sampled.values
-        return transfer_plane(work, value).astype(work.policy.dtype)
+        return wires.transfer_plane(work, value).astype(work.policy.dtype)
     if isinstance(value, SpectrumWire):
-        plane = transfer_plane(work, value)
+        plane = wires.transfer_plane(work, value)
         if value.image is not None:
             own = work.value(_spectrum_of(value.image))
-            plane = plane + np.angle(own) if isinstance(value, Phase) else plane * np.abs(own)
+            plane = plane + np.angle(own) if isinstance(value, wires.Phase) else plane * np.abs(own)
         return plane.astype(work.policy.dtype)
     samples = getattr(value, "samples", None)
     if isinstance(samples, Recipe):
@@ -417,7 +430,7 @@ def asked_for(value: Any) -> tuple[Recipe, ...]:
 
 
 def _spectrum_of(image: Image) -> Recipe:
-    return Step.of(spectrum, image.recipe)
+    return Step.of(wires.spectrum, image.recipe)
 
 
 # Whether a network's recipes can be made in blocks, and which of their pictures lie on disk.
@@ -426,36 +439,6 @@ def _spectrum_of(image: Image) -> Recipe:
 
 IN_MEMORY_AT_ONCE = 8
 """Pictures of the largest size that a run in memory may hold, with what its steps make besides."""
-
-
-def largest_picture(plan: Plan, policy: Policy) -> tuple[Shape, int]:
-    """The largest picture that is planned, and the memory it takes; empty without any."""
-    shapes = {value.shape for value in _images(plan)}
-    rows, columns = max(shapes, key=lambda shape: shape[0] * shape[1], default=(0, 0))
-    return (rows, columns), rows * columns * policy.dtype.itemsize * IN_MEMORY_AT_ONCE
-
-
-def planned_blocks(
-    plan: Plan, recipes: Iterable[Recipe], disk: ScratchDisk, policy: Policy
-) -> BlockRun:
-    """What a run in blocks keeps on disk, where it reads the values of all these recipes."""
-    pictures = {value.key: value.shape for value in _images(plan)}
-    on_disk: dict[str, Shape] = {}
-    for recipe in _furthest_first(recipes):
-        shape = _shape(recipe, pictures)
-        if shape is not None:
-            pictures[recipe.key] = shape
-            if disk.wants(shape, policy.dtype):
-                on_disk[recipe.key] = shape
-        large = [on_disk[one.key] for one in recipe.inputs if one.key in on_disk]
-        if recipe.key in on_disk:
-            large.append(on_disk[recipe.key])
-        held = recipe.held_size
-        if held is not None and not disk.wants(held, policy.dtype):
-            continue
-        if large and not recipe.in_blocks:
-            raise _refusal(recipe, max(large), disk)
-    return BlockRun(disk, on_disk)
 
 
 def least_scratch(recipes: Iterable[Recipe], blocks: BlockRun, policy: Policy) -> int:
@@ -470,13 +453,13 @@ def least_scratch(recipes: Iterable[Recipe], blocks: BlockRun, policy: Policy) -
 
 
 def _refusal(recipe: Recipe, shape: Shape, disk: ScratchDisk) -> DataError:
-    error = DataError(
+    return DataError(
         f"{_what(recipe)} cannot run in blocks, and the whole picture of {shape[0]} × {shape[1]} "
         f"samples does not fit in {amount_text(disk.memory_bytes)} of memory. Raise the memory "
         "limit, or leave the node out",
+        node=recipe.node,
         hint="raise the memory limit with --memory",
     )
-    return error if recipe.node is None else error.at(recipe.node)
 
 
 def _what(recipe: Recipe) -> str:
@@ -511,11 +494,6 @@ def _shape(recipe: Recipe, known: Mapping[str, Shape]) -> Shape | None:
         return int(given[0]), int(given[1])
     sizes = [known[one.key] for one in recipe.inputs if one.key in known]
     return max(sizes, default=None)  # patterns of one line are spread over the picture
-
-
-def _images(plan: Plan) -> list[Image]:
-    outputs = (value for node in plan.nodes.values() for value in node.outputs.values())
-    return [value for value in outputs if isinstance(value, Image)]
 
 
 def _furthest_first(recipes: Iterable[Recipe]) -> Iterator[Recipe]:

@@ -56,7 +56,6 @@ _ALONG_Y = {
     "width of the aperture": "height of the aperture",
     "across the track": "along the track",
 }
-GIVEN = "given"  # what a warning names to have the names of the parameters that are set
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from battery_settings import EXAMPLES, SMALL_PUPIL
-from core.chain.engine import transfer_plane
+from core.chain.wires import transfer_plane
 from library_battery import DECLARED
 from node_bench import NodeBench
 from nodes.library import standard_library
