@@ -418,15 +418,7 @@ class Pupil:
 
     @cached_property
     def key(self) -> str:
-        return content_key(
-            "pupil",
-            self.samples.key,
-            self.shape,
-            (self.rows, self.columns, self.radius, self.defocus_waves),
-            self.zernike_waves,
-            self.wavefront,
-            (self.wavefront_um, self.wrapped),
-        )
+        return content_key("pupil", *(getattr(self, name) for name in self.__dataclass_fields__))
 
     @property
     def aberrated(self) -> bool:

@@ -155,10 +155,7 @@ _Members = Mapping[int, tuple[str, ...]]
 
 
 def laid_out(
-    network: Network,
-    sizes: Sizes,
-    room: layout.Size | None = None,
-    drawn: Sizes | None = None,
+    network: Network, sizes: Sizes, room: layout.Size | None = None, drawn: Sizes | None = None
 ) -> Operation:
     """Lay all nodes out, those on a backdrop together on it; see `arranged`.
 

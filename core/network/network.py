@@ -128,16 +128,10 @@ class Network(_Frozen):
         for name, node in self.nodes.items():
             if name != node.id:
                 raise NetworkError(f"the node {node.id} is stored under the id {shown(name)}")
-        _set(
-            self,
-            nodes=MappingProxyType(dict(self.nodes)),
-            links=tuple(sorted(self.links)),
-            layout=freeze(self.layout),
-            extra=freeze(self.extra),
-            port_names=MappingProxyType(dict(self.port_names)),
-            parameter_names=MappingProxyType(dict(self.parameter_names)),
-            aside=MappingProxyType(dict(self.aside)),
-        )
+        for name in ("nodes", "port_names", "parameter_names", "aside"):
+            _set(self, **{name: MappingProxyType(dict(getattr(self, name)))})
+        links = tuple(sorted(self.links))
+        _set(self, links=links, layout=freeze(self.layout), extra=freeze(self.extra))
 
     @cached_property
     def _inward(self) -> Mapping[str, tuple[Link, ...]]:
