@@ -9,7 +9,9 @@ import os
 import sys
 import warnings
 from collections.abc import Iterable
+from importlib.machinery import PathFinder
 from importlib.util import module_from_spec, spec_from_file_location
+from itertools import takewhile
 from pathlib import Path
 from types import ModuleType
 
@@ -73,25 +75,13 @@ def _load(name: str, root: Path) -> None:
 
 def _in_front(name: str, root: Path) -> Iterable[str]:
     """What Python would have imported by that name from a folder it searches before ours."""
-    for entry in sys.path:
-        folder = Path(entry)
-        if _same(folder, root):
-            return
-        file = folder / f"{name}.py"
-        if os.path.isfile(file):  # noqa: PTH113 - Path raises where the folder may not be read
-            yield str(file)
-            return
-        if _holds_python(folder / name):
-            yield str(folder / name)
-            return
-
-
-def _holds_python(folder: Path) -> bool:
-    """Whether a folder is a package, or without an ``__init__.py`` one of modules."""
-    try:
-        return any(file.suffix == ".py" for file in folder.iterdir())
-    except (OSError, ValueError):  # no folder, or none that may be read
-        return False
+    for entry in takewhile(lambda entry: not _same(Path(entry), root), sys.path):
+        found = PathFinder.find_spec(name, [entry])
+        if found is not None:
+            place = next(iter(found.submodule_search_locations or ()), found.origin or "")
+            if found.origin or any(Path(place).glob("*.py")):  # a folder of modules, or none
+                yield place
+                return
 
 
 def _same(one: Path, other: Path) -> bool:

@@ -84,7 +84,9 @@ def _failed(error: Exception, *, written: bool, hints: bool) -> int:
     if isinstance(error, ImagechainError):
         gone = f" ({gone})" if gone and error.exit_code == InputError.exit_code else ""
         hint = f"; {error.hint}" if hints and error.hint else ""
-        return _fail(_with_more(error) + hint + gone, error.exit_code)
+        more = getattr(error, "more", 0)
+        said = f"{error} (and {more} more: imagechain check lists them)" if more else str(error)
+        return _fail(said + hint + gone, error.exit_code)
     if gone and isinstance(error, FileNotFoundError):
         return _fail(gone, 2)
     if isinstance(error, MemoryError):
@@ -169,11 +171,6 @@ def _has_folder() -> bool:
     except OSError:
         return False
     return True
-
-
-def _with_more(error: ImagechainError) -> str:
-    more = getattr(error, "more", 0)
-    return f"{error} (and {more} more: imagechain check lists them)" if more else str(error)
 
 
 def _cancelled() -> int:

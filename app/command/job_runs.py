@@ -92,8 +92,11 @@ class _Runs:
                 raise next(iter(self._errors.values()))
             page = self._trade_off(staging, figures)
             if job.kind == "files":
-                table = partial(write_text, content=self._table())
-                staging.write(job.output / READOUT_TABLE, table)
+                columns = dict.fromkeys(name for row in self._figures.values() for name in row)
+                named = self._figures.items()
+                rows = [[name, *(row.get(c, "") for c in columns)] for name, row in named]
+                table = printable(csv_lines([["run", *columns], *rows]))
+                staging.write(job.output / READOUT_TABLE, partial(write_text, content=table))
             self._work().check()
             too_late(self._cancel)
             if job.path is None:  # there is no network to record it of
@@ -152,15 +155,13 @@ class _Runs:
 
     def _look(self, name: str, evaluation: Evaluation) -> None:
         if len(self._previews) < MOST_PREVIEWS and evaluation.chain.final is not None:
-            self._previews.append(_preview(name, evaluation))
+            samples = realize(evaluation.plan.output(evaluation.chain.final), evaluation.work)
+            step = max(1, -(-max(samples.shape) // PREVIEW_PX))
+            few = np.ascontiguousarray(samples[::step, ::step])
+            png = encode_png(grey_levels(*robust_limits(samples), few))
+            self._previews.append(Preview(name, png))
         if self._job.kind == "report":
             self._steps.part("writing the report")
-
-    def _table(self) -> str:
-        columns = dict.fromkeys(name for row in self._figures.values() for name in row)
-        named = self._figures.items()
-        rows = [[name, *(row.get(column, "") for column in columns)] for name, row in named]
-        return printable(csv_lines([["run", *columns], *rows]))
 
     def _trade_off(self, staging: Staging, weight: float) -> Path | None:
         job = self._job
@@ -226,12 +227,3 @@ def _writing_to(network: Network, library: Library, folder: Path) -> Network:
         if sink and isinstance(path, str) and path:
             network = network.with_parameter(node.id, "path", str(folder / PurePath(path).name))
     return network
-
-
-def _preview(name: str, evaluation: Evaluation) -> Preview:
-    """The delivered picture, every so many samples, as a run's PNG shows it."""
-    assert evaluation.chain.final is not None
-    samples = realize(evaluation.plan.output(evaluation.chain.final), evaluation.work)
-    step = max(1, -(-max(samples.shape) // PREVIEW_PX))
-    levels = grey_levels(*robust_limits(samples), np.ascontiguousarray(samples[::step, ::step]))
-    return Preview(name, encode_png(levels))

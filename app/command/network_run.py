@@ -1,7 +1,7 @@
 """One run of a network: what it computes, and the files that it writes, all of them or none."""
 
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -22,7 +22,6 @@ from core.errors import UsageError, in_line, placed
 from core.evaluation.recipes import Region
 from core.evaluation.work import Policy
 from core.modules.declaration import NodeContext
-from core.modules.parameters import Caution
 from core.network.validation import NetworkProblems
 from core.records import asdict, dataclass
 from nodes.files.file_format import ZARR
@@ -205,7 +204,7 @@ def _claim(plan: Plan, stage: Stage, policy: Policy) -> list[_Saved]:
         )
     saves, files = [], []
     for save, value in zip(stage.saves, values, strict=True):
-        path, region = Path(save.text), _region(save, value)
+        path, region = Path(save.text), saving.region_of(save, value)
         saved = _Saved(path, save.port, value, region, frames)
         found = saved.series(policy, on_disk=way.on_disk(value, policy))
         if found is None:
@@ -255,14 +254,6 @@ def _port_value(plan: Plan, node: str, port: str) -> Any:
     return known.outputs[port]
 
 
-def _region(save: Save, value: Any) -> Region | None:
-    if isinstance(value, Image):
-        return save.region(value.rows, value.columns)
-    if save.bounds:
-        raise UsageError(f"{save.shown}: a region needs an image, not a {value.port_type}")
-    return None
-
-
 def _write(evaluation: run.Evaluation, saves: list[_Saved], stage: Stage) -> None:
     staging, folder, work = stage.staging, stage.folder, evaluation.work
     for saved in saves:
@@ -276,16 +267,11 @@ def _write(evaluation: run.Evaluation, saves: list[_Saved], stage: Stage) -> Non
     if evaluation.chain.final is not None:
         staging.write(folder / FINAL, partial(_final_png, evaluation, evaluation.chain.final))
     staging.write(folder / MTF, partial(write_text, content=mtf_csv(evaluation.responses)))
-    readouts = {**evaluation.readouts, **_warnings(evaluation.cautions)}
+    warnings: dict[str, list[str]] = {}
+    for caution in evaluation.cautions:
+        warnings.setdefault(caution.node, []).append(caution.text)
+    readouts = {**evaluation.readouts, **({WARNINGS: warnings} if warnings else {})}
     staging.write(folder / READOUTS, partial(write_text, content=json_text(readouts)))
-
-
-def _warnings(cautions: Iterable[Caution]) -> dict[str, dict[str, list[str]]]:
-    """The nodes' warnings, under a name that no node can have; empty where there are none."""
-    nodes: dict[str, list[str]] = {}
-    for caution in cautions:
-        nodes.setdefault(caution.node, []).append(caution.text)
-    return {WARNINGS: nodes} if nodes else {}
 
 
 def _save(

@@ -27,7 +27,9 @@ def fit_page(result: FitResult, *, network: str, pictures: tuple[str, ...]) -> s
         Heading(1, title),
         Text(
             # No-break spaces: what belongs together stays in one line.
-            f"{_fitted(result)}, {several(misfit.degrees, 'degree')} of freedom, "
+            f"{several(len(result.fit.patches), 'edge')} (shape residuals: "
+            f"{_CHI2}\N{NO-BREAK SPACE}{short(misfit.shape_per_degree)}), "
+            f"{several(misfit.degrees, 'degree')} of freedom, "
             f"{_CHI2}\N{NO-BREAK SPACE}"
             f"{short(result.chi2_per_degree)} (1 if the residuals are only noise).",
             "lead",
@@ -45,13 +47,6 @@ def fit_page(result: FitResult, *, network: str, pictures: tuple[str, ...]) -> s
         *_noise(result),
     ]
     return html_page(title, blocks)
-
-
-def _fitted(result: FitResult) -> str:
-    count = len(result.fit.patches)
-    shape = short(result.fit.misfit.shape_per_degree)
-    edges = "1 edge" if count == 1 else f"{count} edges"
-    return f"{edges} (shape residuals: {_CHI2}\N{NO-BREAK SPACE}{shape})"
 
 
 def _pictures(result: FitResult) -> list[Block]:
@@ -168,10 +163,11 @@ def patches_png(result: FitResult) -> bytes:
                 (axes[1, column], model, (low, high)),
                 (axes[2, column], left, (-_WIDE, _WIDE)),
             ):
-                axis.imshow(
-                    _image(patch.row, patch.column, values), cmap="gray", vmin=ends[0],
-                    vmax=ends[1], interpolation="nearest",
-                )  # fmt: skip
+                row, place = patch.row - patch.row.min(), patch.column - patch.column.min()
+                image = np.full((int(row.max()) + 1, int(place.max()) + 1), np.nan)
+                image[row, place] = values
+                look = {"cmap": "gray", "interpolation": "nearest"}
+                axis.imshow(image, vmin=ends[0], vmax=ends[1], **look)
                 axis.set_xticks([])
                 axis.set_yticks([])
                 axis.grid(visible=False)
@@ -219,12 +215,6 @@ def noise_png(noise: NoiseComparison) -> bytes:
         axis.set_ylabel("variance of a sample")
         axis.legend()
     return out.getvalue()
-
-
-def _image(row: NDArray[np.intp], column: NDArray[np.intp], values: Vector) -> Matrix:
-    made = np.full((int(np.ptp(row)) + 1, int(np.ptp(column)) + 1), np.nan)
-    made[row - row.min(), column - column.min()] = values
-    return made
 
 
 def _means(distance: Vector, rest: Vector) -> tuple[Vector, Vector, Vector]:

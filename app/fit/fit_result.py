@@ -148,7 +148,9 @@ def _combinations(
         still = np.linalg.svd(steps)[2][-1]
         # Weight of the first one over that of each other.
         ratios = -steps[0, others] / steps[0, first] if alone else still[first] / still[others]
-        ratios = np.array([_whole(float(ratio)) for ratio in ratios])
+        # Whole factors where they are so but for the differences' error.
+        near = np.rint(ratios)
+        ratios = np.where(np.abs(ratios - near) < _MATCH * np.abs(near), near, ratios)
         by_other = dict(zip(others, map(float, ratios), strict=True))
         moves = [by_other] if alone else [{other: ratio} for other, ratio in by_other.items()]
         worst = max(_change(fit, cost, members, power, first, move) for move in moves)
@@ -170,12 +172,6 @@ def _combinations(
         taken = tuple(i for i, w in zip(members, row, strict=True) if w != 0.0)
         made.append(Combination(taken, text, value, math.sqrt(max(variance, 0.0)), unit))
     return made
-
-
-def _whole(factor: float) -> float:
-    """A whole factor where it is one but for the differences' error."""
-    near = round(factor)
-    return float(near) if near and abs(factor - near) < _MATCH * abs(near) else factor
 
 
 def _written(

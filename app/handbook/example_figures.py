@@ -60,7 +60,12 @@ def example_of(declared: Declaration, engine: Engine) -> Example:
     example = Example(settings=[(name, _shown(value)) for name, value in params.items()])
     try:
         _draw(example, declared, engine, plan, work)
-        example.readouts = _readouts(declared, engine, plan, work)
+        units = {readout.name: readout.unit for readout in declared.readouts}
+        example.readouts = [
+            (name, _shown(value), units.get(name, ""))
+            for name, value in engine.readouts(plan, IT, work).items()
+            if value is not None
+        ]
     except Exception as error:
         # A plug-in's module may need more than the nodes that stand before it here, or be at fault:
         # its page states it, and the others are made.
@@ -175,15 +180,6 @@ def curves(data: CurveData, caption: str) -> str:
         if len(data.series) > 1:
             drawn.legend(loc="outside lower center", ncols=2, fontsize=7.5)
     return png_figure(out.getvalue(), caption, "curve")
-
-
-def _readouts(
-    declared: Declaration, engine: Engine, plan: Plan, work: Work
-) -> list[tuple[str, str, str]]:
-    values = engine.readouts(plan, IT, work)
-    units = {readout.name: readout.unit for readout in declared.readouts}
-    known = ((name, value) for name, value in values.items() if value is not None)
-    return [(name, _shown(value), units.get(name, "")) for name, value in known]
 
 
 def _shown(value: Any) -> str:

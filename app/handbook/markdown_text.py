@@ -60,8 +60,7 @@ def rendered(text: str, modules: Mapping[str, str], figure: Figure) -> Rendered:
     page = Rendered()
     tokens = parser.parse(_REMARK.sub("", text))
     _name_headings(tokens, page)
-    _link_modules(tokens, modules)
-    _link_pages(tokens)
+    _link(tokens, modules)
     _wrap_tables(tokens)
     parser.add_render_rule("fence", _fence(figure))
     page.body = parser.renderer.render(tokens, parser.options, {})
@@ -96,8 +95,8 @@ def _name_headings(tokens: list[Any], page: Rendered) -> None:
             token.attrSet("id", anchor_of(text))
 
 
-def _link_modules(tokens: list[Any], modules: Mapping[str, str]) -> None:
-    """Make a link of slanted words that are a module's title."""
+def _link(tokens: list[Any], modules: Mapping[str, str]) -> None:
+    """Make links of slanted words that are a module's title, and to pages of links to sources."""
     for token in tokens:
         children = token.children or []
         for first, inner, last in zip(children, children[1:], children[2:], strict=False):
@@ -105,12 +104,7 @@ def _link_modules(tokens: list[Any], modules: Mapping[str, str]) -> None:
                 first.type, first.tag = "link_open", "a"
                 first.attrSet("href", modules[inner.content])
                 last.type, last.tag = "link_close", "a"
-
-
-def _link_pages(tokens: list[Any]) -> None:
-    """In the sources pages link to each other's sources, which can be read as they are, too."""
-    for token in tokens:
-        for child in token.children or []:
+        for child in children:
             if child.type == "link_open":
                 child.attrSet("href", _SOURCE.sub(r"\1.html", child.attrGet("href") or ""))
 
@@ -175,7 +169,8 @@ def formula_svg(tex: str) -> str:
         with mpl.rc_context({"mathtext.fontset": "stix"}):
             drawing = TextToPath()
             face = FontProperties(family="STIXGeneral", size=_SIZE)
-            text = f"${_LARGE.sub(_spaced, tex)}$".replace(r"\frac", r"\dfrac")
+            spaced = _LARGE.sub(r"\g<0>\\,", tex)
+            text = f"${spaced}$".replace(r"\frac", r"\dfrac")
             width, height, descent = drawing.get_text_width_height_descent(text, face, ismath=True)
             points, codes = drawing.get_text_path(face, text, ismath=True)
     except ValueError as error:
@@ -187,10 +182,6 @@ def formula_svg(tex: str) -> str:
         f'viewBox="0 0 {width:.1f} {height:.1f}" style="vertical-align:{-descent / EM:.3f}em">'
         f'<path d="{outline}"/></svg>'
     )
-
-
-def _spaced(match: re.Match[str]) -> str:
-    return match[0] + r"\,"
 
 
 def _outline(points: Any, codes: Any, scale: float, base: float) -> str:

@@ -240,7 +240,8 @@ def write_handbook(
 ) -> None:
     """Write all pages to a folder: new, empty, or one with a handbook, which is replaced."""
     target = folder.resolve()
-    if folder.exists() and not _may_be_replaced(folder):
+    replaces = (folder / MARK).is_file()
+    if folder.exists() and not replaces and not (folder.is_dir() and not any(folder.iterdir())):
         raise FileError(
             f"cannot write the handbook to {folder}: it contains other files; choose a new folder"
         )
@@ -248,7 +249,7 @@ def write_handbook(
         raise FileError(
             f"cannot write the handbook to {folder}: there is no folder {target.parent}"
         )
-    replaces, names = (folder / MARK).is_file(), []
+    names = []
     try:
         with tempfile.TemporaryDirectory(
             prefix=".handbook-", dir=target.parent, ignore_cleanup_errors=True
@@ -270,10 +271,6 @@ def write_handbook(
         raise FileError(
             f"cannot write the handbook to {folder}: {error.strerror or error}"
         ) from error
-
-
-def _may_be_replaced(folder: Path) -> bool:
-    return folder.is_dir() and ((folder / MARK).is_file() or not any(folder.iterdir()))
 
 
 class _Frame:

@@ -222,8 +222,12 @@ def open_picture(path: Path, *, band: int | None = None) -> PictureFile:
         frames = open_frames(file)  # of three dimensions they are frames, and no picture
         return _of_frames(path, frames, None)
     info = read_info(file)
-    if band is None and not info.channels and info.wavelengths_um is None and _may_be_frames(info):
-        return _of_frames(path, open_frames(file), info)
+    if band is None and not info.channels and info.wavelengths_um is None:
+        many = (
+            info.bands if info.kind == "envi" else TIFF.matches(info.path) and tiff_pages(info.path)
+        )
+        if many > 1:  # bands of ENVI, pages of TIFF
+            return _of_frames(path, open_frames(file), info)
     chosen, taken = _chosen(path, info, band)
     x, y = _intervals(info)
     dtype = np.dtype(info.dtype)
@@ -246,13 +250,6 @@ def _gamma(info: PictureInfo) -> Gamma:
     if info.kind in _ENCODED:
         return "usual"
     return "possible" if info.kind in _PERHAPS_ENCODED else ""
-
-
-def _may_be_frames(info: PictureInfo) -> bool:
-    """Whether there is more than one frame: bands of ENVI, pages of TIFF."""
-    if info.kind == "envi":
-        return info.bands > 1
-    return TIFF.matches(info.path) and tiff_pages(info.path) > 1
 
 
 def _of_frames(path: Path, frames: FrameFile, info: PictureInfo | None) -> PictureFile:

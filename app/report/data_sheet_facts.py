@@ -146,7 +146,8 @@ def data_sheet_facts(evaluation: Evaluation, nodes: Fact) -> Fact | None:
                 figures = {**_figures(node), BAND: _band(evaluation, name, node)}
                 if module == "focal_plane" and figures["response"]:
                     figures["quantum_efficiency"] = None  # the file takes its place
-                if _has_own_air(evaluation, name):
+                inputs = evaluation.plan.nodes[name].inputs.values()
+                if any(value.air for value in inputs if isinstance(value, Image)):
                     figures[EXTINCTION] = None  # the ranges take the transmission of the path
                 rows = list(_rows(figures, wanted))
                 groups.append({"title": title, "node": name, "rows": rows})
@@ -190,11 +191,6 @@ def _band(evaluation: Evaluation, name: str, node: Fact) -> tuple[float, float] 
         end if end is not None else known and known[place] for place, end in enumerate(own)
     )
     return None if low is None or high is None else (low, high)
-
-
-def _has_own_air(evaluation: Evaluation, name: str) -> bool:
-    inputs = evaluation.plan.nodes[name].inputs.values()
-    return any(value.air for value in inputs if isinstance(value, Image))
 
 
 def _noise_rows(figures: Mapping[str, Any]) -> Iterator[Fact]:

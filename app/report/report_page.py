@@ -45,10 +45,13 @@ _MOST_NAMES = 24
 def page(evaluation: Evaluation, facts: dict[str, Any]) -> str:
     network = facts["network"]
     title = network["name"] or "Image chain"
+    figures = figure_rows([Figure(**figure) for figure in facts["figures"]], number)
+    rows = [(name, f"{value} {unit}") for name, value, unit, _ in figures]
+    card = [Grid(("figure", "value"), rows, numbers=(1,), kind="card")] if rows else []
     blocks = [
         Heading(1, title),
         *([Text(network["description"], "lead")] if network["description"] else []),
-        *_first_look(evaluation, facts),
+        Beside((*card, *_shown_pictures(evaluation, _of_the_chain(facts)))),
         *_warnings(facts),
         _run_line(facts),
         *data_sheet(facts),
@@ -106,13 +109,6 @@ def _warnings(facts: dict[str, Any]) -> list[Block]:
         for one in facts["warnings"]
     ]
     return [Heading(2, "Warnings"), Items(tuple(lines), "warnings")] if lines else []
-
-
-def _first_look(evaluation: Evaluation, facts: dict[str, Any]) -> list[Block]:
-    figures = [Figure(**figure) for figure in facts["figures"]]
-    rows = [(name, f"{value} {unit}") for name, value, unit, _ in figure_rows(figures, number)]
-    card = [Grid(("figure", "value"), rows, numbers=(1,), kind="card")] if rows else []
-    return [Beside((*card, *_shown_pictures(evaluation, _of_the_chain(facts))))]
 
 
 def _of_the_chain(facts: dict[str, Any]) -> list[dict[str, Any]]:

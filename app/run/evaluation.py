@@ -105,7 +105,8 @@ def evaluate(engine: Engine, plan: Plan, work: TimedWork, folder: Path) -> Evalu
     sources, outputs, figures, checks = _read(engine, plan)
     with work.hold(_recipes(plan, chain.final, sources, outputs, figures, checks)) as held:
         for port, recipes in sources.items():
-            _check_source(plan, port, work)
+            with placed(port.rpartition(".")[0]):
+                check_finite(work.value(plan.output(port).recipe), port)
             held.release(recipes)
         checked = time.perf_counter()
         cautions = tuple(engine.warnings(plan, work))
@@ -174,12 +175,6 @@ def needed_later(
 
         recipes.append(NoiseOf(plan.output(final)))
     return recipes
-
-
-def _check_source(plan: Plan, port: str, work: Work) -> None:
-    value: Image = plan.output(port)
-    with placed(port.rpartition(".")[0]):
-        check_finite(work.value(value.recipe), port)
 
 
 def _evaluate_output(plan: Plan, port: str, work: Work) -> None:
@@ -304,13 +299,16 @@ def reduced(samples: Array, work: Work) -> Array:
     if work.blocks is None or not work.blocks.disk.wants(samples.shape, samples.dtype):
         return samples
     step = -(-max(samples.shape) // _PREVIEW_PX)
-    rows, columns = (size // step for size in samples.shape)
-    if not rows or not columns:
-        return samples[::step, ::step]
-    made = np.empty((rows, columns), samples.dtype)
-    for row in range(rows):
-        lines = samples[row * step : (row + 1) * step, : columns * step]
-        made[row] = lines.reshape(step, columns, step).mean(axis=(0, 2), dtype=np.float64)
+    return (
+        samples[::step, ::step] if min(samples.shape) < step else block_means(samples, step, step)
+    )
+
+
+def block_means(samples: Array, down: int, across: int) -> Array:
+    made = np.empty((samples.shape[0] // down, samples.shape[1] // across), samples.dtype)
+    for row in range(len(made)):  # one after the other: the picture may be larger than memory
+        lines = samples[row * down : (row + 1) * down, : made.shape[1] * across]
+        made[row] = lines.reshape(down, -1, across).mean(axis=(0, 2), dtype=np.float64)
     return made
 
 

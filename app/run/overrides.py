@@ -371,7 +371,8 @@ def _value(text: str, parameter: Parameter, setting: Assignment) -> Any:
         try:
             coerced = parameter.coerce(reading)
         except ParameterError:
-            if parameter.kind in ("number", "integer") and _finite(reading):
+            numeric = parameter.kind in ("number", "integer") and is_number(reading)
+            if numeric and np.isfinite(float(reading)):
                 return reading
             raise
         return reading if is_number(reading) and coerced is None else plain(coerced)
@@ -387,7 +388,3 @@ def taken_value(parameter: Parameter, value: Any) -> Any:
         why = "this value leaves the parameter empty, as null does"
         raise ParameterError(parameter.name, value, why)
     return plain(coerced)
-
-
-def _finite(value: object) -> bool:
-    return is_number(value) and bool(np.isfinite(float(value)))  # type: ignore[arg-type]

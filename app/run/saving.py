@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from app.run.option_values import Save
 from core.atomic import atomic_file, write_bytes, write_text
 from core.chain.engine import realize
 from core.chain.random_fields import at_frame
@@ -59,6 +60,14 @@ def check_suffix(port: str, value: Any, path: Path) -> None:
         raise UsageError(f"--save {port}={path}: {what} must be written as {words}")
     if ZARR.matches(path):
         check_zarr(path)
+
+
+def region_of(save: Save, value: Any) -> Region | None:
+    if isinstance(value, Image):
+        return save.region(value.rows, value.columns)
+    if save.bounds:
+        raise UsageError(f"{save.shown}: a region needs an image, not a {value.port_type}")
+    return None
 
 
 def save_value(

@@ -69,7 +69,10 @@ class Staging:
             guard(target)
             self._guards[real] = guard
         self.check(target)
-        self._sweep(real.parent)
+        folder = _existing(real.parent)
+        if folder not in self._swept:  # of what killed runs have left there
+            self._swept.add(folder)
+            atomic.sweep(folder)
         self._claimed[target] = real
 
     def check(self, target: Path) -> None:
@@ -128,7 +131,10 @@ class Staging:
     def commit(self) -> None:
         """Put every file in its place; if one fails, the others are as before."""
         for staged in self._staged:
-            self._check_again(staged)
+            self._check_way(staged.given)
+            self.check(staged.given)
+            if (guard := self._guards.get(staged.target)) is not None:
+                guard(staged.given)
         undo: list[Callable[[], object]] = []
         try:
             for staged in self._staged:
@@ -136,15 +142,11 @@ class Staging:
                     _make_folders(staged.target.parent, undo)
                     _put(staged, undo)
         except BaseException:
-            _undo(undo)
+            for step in reversed(undo):
+                # One that cannot be undone must not keep the rest from it.
+                with contextlib.suppress(OSError):
+                    step()
             raise
-
-    def _check_again(self, staged: _Staged) -> None:
-        self._check_way(staged.given)
-        self.check(staged.given)
-        guard = self._guards.get(staged.target)
-        if guard is not None:
-            guard(staged.given)
 
     def _check_way(self, target: Path) -> None:
         now = real_target(target)
@@ -166,13 +168,6 @@ class Staging:
             if lock is not None:
                 self._locks.append(lock)
         return self._places[folder]
-
-    def _sweep(self, parent: Path) -> None:
-        """Clear away what killed runs have left where files of this one are prepared."""
-        folder = _existing(parent)
-        if folder not in self._swept:
-            self._swept.add(folder)
-            atomic.sweep(folder)
 
 
 def existing_folder(folder: Path) -> Path:
@@ -262,13 +257,6 @@ def _put(staged: _Staged, undo: list[Callable[[], object]]) -> None:
     else:
         undo.append(lambda: staged.target.unlink(missing_ok=True))
     staged.file.replace(staged.target)
-
-
-def _undo(steps: list[Callable[[], object]]) -> None:
-    for step in reversed(steps):
-        # One that cannot be undone must not keep the rest from it.
-        with contextlib.suppress(OSError):
-            step()
 
 
 # Where a network may write: its origin is unknown, and it names its files itself.
@@ -467,19 +455,14 @@ def write_rules(
     if not named and output.is_symlink():
         hint = f"--output-dir {shlex.quote(str(output))} allows writing there"
         raise FileError(f"cannot write to {output}: it is a link to {real}; {hint}")
+    own = Path(os.path.realpath(place.folder))
+    is_given = own == Path("/dev") or own.is_relative_to("/proc")  # on standard input
     return WriteRules(
-        folders=(*_own_folder(place), real),
+        folders=(real,) if is_given else (own, real),
         allowed=tuple(Path(os.path.realpath(folder)) for folder in allowed),
         given=frozenset(given),
         record=read_record(place.path),
     )
-
-
-def _own_folder(place: Place) -> tuple[Path, ...]:
-    """The network's folder; none where the network came on standard input."""
-    folder = Path(os.path.realpath(place.folder))
-    given = folder == Path("/dev") or folder.is_relative_to("/proc")
-    return () if given else (folder,)
 
 
 def _place(network: Path) -> Path:

@@ -19,7 +19,7 @@ import numpy as np
 
 from app.run import overrides
 from app.run.option_values import Save, assignment, study_path, summary_path
-from app.run.saving import check_suffix, is_cube
+from app.run.saving import check_suffix, is_cube, region_of
 from app.run.staging import Staging, check_folder
 from app.run.terminal import Stopped, too_late, version
 from app.study.study_rows import (
@@ -442,8 +442,8 @@ def _check_saves(saves: Sequence[Save], plan: Plan, network: Network, library: L
                 f"{save.shown}: a study writes pictures (.tif, .exr or .npy), not cubes"
             )
         check_suffix(save.port, value, path)
-        if save.bounds and not isinstance(value, Image):
-            raise UsageError(f"{save.shown}: a region needs an image, not a {value.port_type}")
+        if not isinstance(value, Image):
+            region_of(save, value)
 
 
 ALONE_S = 0.5
@@ -475,8 +475,10 @@ def carry_out(
     if output is None:
         return summarised(_collected(study, workers, {}, cancel, reached))
     with Journal(output, study.key, len(study.points), fresh=fresh) as journal:
-        for row in [row for row in journal.rows.values() if _lost(study, row)]:
-            del journal.rows[row.place]  # made anew: a later line of the same point holds
+        for row in [*journal.rows.values()]:
+            files = study.files[row.place] if study.files and not row.error else ()
+            if not all(Path(file).exists() for file in files):
+                del journal.rows[row.place]  # made anew: a later line of the same point holds
         try:
             result = _collected(study, workers, journal.rows, cancel, reached, journal.add)
         except (Stopped, Cancelled) as error:
@@ -582,11 +584,6 @@ def _by_others(
 
 def _setting(study: Study, workers: Workers, policy: Policy) -> Setting:
     return replace(study.setting, policy=policy, memory_bytes=workers.memory_bytes)
-
-
-def _lost(study: Study, row: Row) -> bool:
-    files = study.files[row.place] if study.files and not row.error else ()
-    return not all(Path(file).exists() for file in files)
 
 
 def _kept(why: str, journal: Journal, study: Study) -> str:

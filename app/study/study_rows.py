@@ -19,7 +19,7 @@ import numpy as np
 
 from app.run.option_values import Save
 from app.run.overrides import Variation
-from app.run.saving import save_value
+from app.run.saving import region_of, save_value
 from app.run.terminal import exact
 from app.run.transfer_chain import source_images
 from app.tradeoff.tradeoff_results import Figure, PointEvaluator
@@ -185,7 +185,7 @@ class RowMaker:
     def _save(self, plan: Plan, work: Work, save: Save, file: Path) -> None:
         value = plan.output(save.port)
         with errors.placed(save.node), errors.writing(file):
-            region = save.region(value.rows, value.columns) if isinstance(value, Image) else None
+            region = region_of(save, value)
             file.parent.mkdir(parents=True, exist_ok=True)
             save_value(value, file, work, port=save.port, region=region)
 
@@ -196,7 +196,11 @@ class RowMaker:
             if recipe.key not in self._checked:
                 if recipe.key not in work.log.computed and not work.has(recipe):
                     continue
-                self._checked[recipe.key] = _fault(work.value(recipe), port)
+                samples, self._checked[recipe.key] = work.value(recipe), None
+                try:
+                    check_finite(samples, port)
+                except errors.ImagechainError as error:
+                    self._checked[recipe.key] = error.at(port.rpartition(".")[0])
             fault = self._checked[recipe.key]
             if fault is not None:
                 raise fault
@@ -208,13 +212,13 @@ def network_key(network: Network, setting: Setting, library: Library) -> str:
     what = setting.version, network.seed, setting.policy.key, links, tuple(network.nodes)
     study = content_key("study", *what)
     nodes = network.nodes.values()
-    return content_key(study, *(_node_key(node, library, setting.folder) for node in nodes))
 
+    def key(node: Node) -> str:
+        stamps = tuple(map(file_stamp, input_paths(node, library, setting.folder)))
+        what = node.id, node.module, node.params, node.disabled, node.noise, node.final
+        return content_key(*what, stamps)
 
-def _node_key(node: Node, library: Library, folder: Path) -> str:
-    stamps = tuple(file_stamp(file) for file in input_paths(node, library, folder))
-    what = node.id, node.module, node.params, node.disabled, node.noise, node.final
-    return content_key(*what, stamps)
+    return content_key(study, *map(key, nodes))
 
 
 def input_paths(node: Node, library: Library, folder: Path) -> list[Path]:
@@ -233,14 +237,6 @@ def file_stamp(file: Path) -> tuple[int, int] | None:
     except (OSError, ValueError):
         return None
     return status.st_size, status.st_mtime_ns
-
-
-def _fault(samples: Any, port: str) -> errors.ImagechainError | None:
-    try:
-        check_finite(samples, port)
-    except errors.ImagechainError as error:
-        return error.at(port.rpartition(".")[0])
-    return None
 
 
 FORMAT, VERSION = "imagechain-study", 1

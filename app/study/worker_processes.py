@@ -444,7 +444,10 @@ def rows_of_batch(setting: bytes, key: str, tasks: list[Task], share: int) -> li
 
     from app.run.terminal import version
 
-    makers = _makers(get_worker(), key)
+    known: dict[str, dict[int, RowMaker]] = vars(get_worker()).setdefault(_NAME, {})
+    while len(known) >= _STUDIES and key not in known:
+        del known[next(iter(known))]
+    makers = known.setdefault(key, {})
     # A maker goes from point to point; threads of one worker have one each.
     thread = threading.get_ident()
     if thread not in makers:
@@ -456,13 +459,6 @@ def rows_of_batch(setting: bytes, key: str, tasks: list[Task], share: int) -> li
             )
         makers[thread] = RowMaker(wanted, standard_library(), share)
     return [tuple(row) for row in _first_rows(makers[thread], tasks)]
-
-
-def _makers(worker: Any, key: str) -> dict[int, RowMaker]:
-    known: dict[str, dict[int, RowMaker]] = vars(worker).setdefault(_NAME, {})
-    while len(known) >= _STUDIES and key not in known:
-        del known[next(iter(known))]
-    return known.setdefault(key, {})
 
 
 if __name__ == "__main__":

@@ -67,10 +67,14 @@ def figures_of(network: Network, library: Library) -> dict[str, Figure]:
     """All figures by ``NODE.READOUT``; whether one is a number shows once it is computed."""
     figures: list[Figure] = []
     modules = {node.module for node in network.nodes.values()}
+    has_pitch = makes_pixels(network) or any(
+        node.module == "init_trans" and node.params.get("detector_x_um")
+        for node in network.nodes.values()
+    )
     if "back_transform" in modules:
         for total, what in _TOTALS.items():
             if total == TOTAL or ELECTRONICS in modules:
-                places = {**(_OF_PIXELS if _has_pitch(network) else {}), **_PLACES}.items()
+                places = {**(_OF_PIXELS if has_pitch else {}), **_PLACES}.items()
                 figures += [Figure(total, n, "", f"{what} {where}") for n, (*_, where) in places]
     for node in network.nodes.values():
         if node.module in library and not node.disabled:
@@ -84,13 +88,6 @@ def figures_of(network: Network, library: Library) -> dict[str, Figure]:
 def makes_pixels(network: Network) -> bool:
     """Whether a network makes pixels of its samples, or takes them from a camera's data sheet."""
     return any(node.module in _WITH_PIXELS for node in network.nodes.values())
-
-
-def _has_pitch(network: Network) -> bool:
-    return makes_pixels(network) or any(
-        node.module == "init_trans" and node.params.get("detector_x_um")
-        for node in network.nodes.values()
-    )
 
 
 def default_figures(network: Network, library: Library) -> tuple[Figure, ...]:

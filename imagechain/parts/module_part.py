@@ -9,7 +9,6 @@ from types import MappingProxyType
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from app.run.preset_files import shipped_presets
 from core.errors import DataError, NetworkError, ParameterError, close, placed, shown, thaw
@@ -300,7 +299,10 @@ def scene(
         values["scale"] = scale
     if centres is not None:
         values["bands"] = "all"
-    array = samples if isinstance(samples, np.ndarray) else _as_array(samples)
+    try:
+        array = samples if isinstance(samples, np.ndarray) else np.asarray(samples)
+    except (TypeError, ValueError) as error:  # rows of unequal length, objects
+        raise DataError(f"the array cannot be converted to numbers: {error}") from None
     held = HeldSamples.of(array, "the array", centres, _numbers("widths_um", widths_um))
     params = file_values(declaration(ReadImage), values)
     plain = {name: value for name, value in params.items() if not isinstance(value, dict)}
@@ -310,13 +312,6 @@ def scene(
     if len(plain) == len(params):
         module.of_samples(held, "scene")  # what it cannot be is refused here already
     return Part("read_image", params, held, "scene")
-
-
-def _as_array(samples: Any) -> NDArray[Any]:
-    try:
-        return np.asarray(samples)
-    except (TypeError, ValueError) as error:  # rows of unequal length, objects
-        raise DataError(f"the array cannot be converted to numbers: {error}") from None
 
 
 def _numbers(name: str, values: Any) -> tuple[float, ...] | None:

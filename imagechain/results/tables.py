@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from app.run.evaluation import Evaluation
+from app.run.evaluation import Evaluation, block_means
 from app.run.saving import encode_png, grey_levels, metadata_of, robust_limits, save_array
 from app.run.terminal import columns, jsonable, number_text, warned_points, without_rounding
 from app.run.transfer_chain import Response, responses_along
@@ -385,7 +385,9 @@ class Picture:
             if interval is not None:
                 places = (np.arange(length) - (length - 1) / 2.0) * interval
                 coordinates[axis] = (axis, places[part], {"units": "mrad"})
-        samples, unit = (self.cube(), self._band_unit) if bands else (self.samples, self.unit)
+        samples, unit = (self.cube() if bands else self.samples), self.unit
+        if bands and image.bands is not None and image.bands.density:
+            unit = f"{unit}/µm"
         attributes: dict[str, Any] = {"units": unit}
         for name, interval in zip(("x", "y"), self.interval_mrad, strict=True):
             if interval is not None:
@@ -405,14 +407,11 @@ class Picture:
     def save(self, path: str | PathLike[str]) -> Path:
         """Write the samples in the format of the file's suffix, with unit and field of view."""
         target = Path(fspath(path))
-        samples = self._first("a file with one picture")
+        samples = self.samples
+        if samples.ndim == 3:
+            raise ParameterError("frames", len(samples), "must be 1 for a file with one picture")
         save_array(target, samples, metadata_of(self._image, samples.shape))
         return target
-
-    @property
-    def _band_unit(self) -> str:
-        density = self._image.bands is not None and self._image.bands.density
-        return f"{self.unit}/µm" if density else self.unit
 
     def to_png(self, most_px: int | None = None) -> bytes:
         """Return the first frame as an 8-bit grey PNG, scaled to its 0.1 % to 99.9 % quantiles.
@@ -423,13 +422,9 @@ class Picture:
             Largest number of rows or columns; larger pictures are reduced by averaging pixels.
         """
         samples = self.samples[0] if self.samples.ndim == 3 else self.samples
-        samples = samples if most_px is None else _reduced(samples, most_px)
+        if most_px is not None and max(samples.shape) > most_px:
+            samples = block_means(samples, *(-(-side // most_px) for side in samples.shape))
         return encode_png(grey_levels(*robust_limits(samples), samples))
-
-    def _first(self, what: str) -> NDArray[Any]:
-        if self.samples.ndim == 3:
-            raise ParameterError("frames", len(self.samples), f"must be 1 for {what}")
-        return self.samples
 
     def __repr__(self) -> str:
         size = " × ".join(map(str, self.shape))
@@ -439,16 +434,3 @@ class Picture:
         width = min(_WIDEST, self.samples.shape[-1])
         picture = png(self.to_png(_MOST_PX), alt=self.port, width=width)
         return block(picture, text(repr(self)[1:-1]))
-
-
-def _reduced(samples: NDArray[Any], most_px: int) -> NDArray[Any]:
-    """Means of as many neighbours as leave at most so many rows and columns."""
-    rows, columns = samples.shape
-    down, across = -(-rows // most_px), -(-columns // most_px)
-    if down == across == 1:
-        return samples
-    made = np.empty((rows // down, columns // across), samples.dtype)
-    for row in range(len(made)):  # one after the other: the picture may be larger than memory
-        lines = samples[row * down : (row + 1) * down, : made.shape[1] * across]
-        made[row] = lines.reshape(down, -1, across).mean(axis=(0, 2), dtype=np.float64)
-    return made

@@ -11,7 +11,7 @@ from app.report.drawing import picture_drawing as drawing
 from app.run.evaluation import Evaluation
 from app.run.transfer_chain import Chain, Response, Responses, StageResponse
 from core.chain.engine import realize
-from core.chain.wires import Curve, CurveData, Series
+from core.chain.wires import Curve, CurveData
 
 MOST = 12
 _BESIDE = 2
@@ -72,7 +72,8 @@ def _height(data: CurveData) -> float:
 
 def _draw_curves(axis: Any, data: CurveData) -> None:
     styles = ((colour, dash) for dash in cycle(_DASHES) for colour in drawing.COLOURS)
-    shown = _drawn_series(data)
+    totals = [float(series.label.startswith("Total")) for series in data.series]
+    shown = [data.series[place] for place in drawing.strongest(totals)]
     for series, (colour, dash) in zip(shown, styles, strict=False):
         total = series.label.startswith("Total")
         y = _drawn(series.y, data.log_y)
@@ -97,12 +98,6 @@ def _draw_curves(axis: Any, data: CurveData) -> None:
         axis.set_xlim(along.min() - room, along.max() + room)
     if data.log_y:
         axis.set_yscale("log")
-
-
-def _drawn_series(data: CurveData) -> list[Series]:
-    """All of them; of very many the totals and the first."""
-    total = [series.label.startswith("Total") for series in data.series]
-    return [data.series[place] for place in drawing.strongest([float(flag) for flag in total])]
 
 
 def _draw_bars(axis: Any, data: CurveData) -> None:

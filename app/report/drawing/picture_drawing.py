@@ -188,10 +188,12 @@ def histogram(axis: Any, image: Image, samples: Array) -> None:
     values = samples.ravel().astype(np.float64)
     mean, sigma = float(values.mean()), float(values.std())
     axis.set_title(f"mean {number(mean)}   σ {number(sigma)}", fontweight="normal")
-    counts, edges = np.histogram(values, bins=_bins(values))
+    low, high = float(values.min()), float(values.max())
+    whole = high - low <= 120 and bool(np.all(values == np.rint(values)))  # as counts of photons
+    bins = np.arange(low - 0.5, high + 1.0) if whole else np.linspace(low, high, 121)
+    counts, edges = np.histogram(values, bins=bins)
     axis.stairs(counts, edges, fill=True, color="#6d8fb3")
     axis.set_xlim(edges[0], edges[-1])
-    whole = bool(edges[0] % 1 == 0.5 and edges[1] - edges[0] == 1)
     # Few: labels of many digits must not meet.
     axis.xaxis.set_major_locator(MaxNLocator(5, integer=whole))
     axis.ticklabel_format(axis="x", scilimits=(-4, 5), useMathText=True)
@@ -200,15 +202,6 @@ def histogram(axis: Any, image: Image, samples: Array) -> None:
     axis.set_axisbelow(True)
     axis.set_xlabel(f"noise ({_unit(image.unit)})" if image.unit else "noise")
     axis.set_ylabel("samples")
-
-
-def _bins(values: Array) -> Array:
-    """Edges of up to 120 bins; between values where these are whole, as counts of photons."""
-    low, high = float(values.min()), float(values.max())
-    whole = high - low <= 120 and bool(np.all(values == np.rint(values)))
-    if whole:
-        return np.arange(low - 0.5, high + 1.0)
-    return np.linspace(low, high, 121)
 
 
 def _unit(unit: str) -> str:
