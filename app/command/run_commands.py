@@ -16,7 +16,7 @@ from app.run import option_values as values
 from app.run.option_values import Save
 from app.run.shipped import find_network
 from app.run.terminal import Stop, too_late
-from core.errors import ImagechainError, InputError, UsageError, in_line
+from core.errors import ImagechainError, InputError, UsageError, in_line, several
 from core.records import asdict
 from nodes.files.file_format import PNG, suffixes
 
@@ -253,15 +253,15 @@ def check(
         facts = [{"node": problem.node, "message": problem.message} for problem in problems]
         show(json, lambda: {"errors": facts}, *lines)
         name = asked.place.name
-        raised = InputError(f"{name}: {_count(problems, 'error')}, the first: {problems[0]}")
+        raised = InputError(f"{name}: {several(len(problems), 'error')}, the first: {problems[0]}")
         raised.exit_code = error.exit_code  # 1 for the fault of a plug-in
         raise raised from None
     cautions = plan.warnings()
     warnings = warning_lines(cautions)
     if choose := how_to_choose(find_output(plan)):
         warnings.append(f"warning: no {FINAL}: {choose}")
-    count = f", {_count(warnings, 'warning')}" if warnings else ""
-    size = f"{_count(network.nodes, 'node')}, {_count(network.links, 'link')}"
+    count = f", {several(len(warnings), 'warning')}" if warnings else ""
+    size = f"{several(len(network.nodes), 'node')}, {several(len(network.links), 'link')}"
     summary = f"{place.name}: no errors{count} ({size})"
     show(
         json,
@@ -280,7 +280,3 @@ def _folder_and_rules(
     given = (setting.node for setting in asked.settings if setting.name == "path")
     named = output_dir is not None
     return folder, write_rules(asked.place, folder, named=named, allowed=allowed, given=given)
-
-
-def _count(things: Any, what: str) -> str:
-    return f"{len(things)} {what}{'' if len(things) == 1 else 's'}"

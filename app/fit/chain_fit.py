@@ -204,14 +204,13 @@ class EdgeProblem:
 
     def table(self, values: Vector) -> SpreadTable:
         key = tuple(float(values[i]) for i in sorted(self.shown))
-        table = self._tables.get(key)
-        if table is None:
+        if key not in self._tables:
             self.evaluations += 1
             table = self._transfer.table(self._chain.image([float(v) for v in values]))
             if len(self._tables) >= _HELD:
                 self._tables.clear()
             self._tables[key] = table
-        return table
+        return self._tables[key]
 
     def noise_residual(self, values: Vector) -> Vector:
         """Of the noise at the measured levels, in standard errors; nothing where it is not free."""

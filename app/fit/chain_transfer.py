@@ -6,7 +6,6 @@ from the source's samples, or nothing averages over an area, the samples' area i
 
 import itertools
 import math
-from collections import OrderedDict
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -76,7 +75,7 @@ class EdgeTransfer:
         self._period = period
         angle = np.radians(np.asarray(angles_deg, np.float64))[:, np.newaxis]
         self._normal = np.cos(angle), np.sin(angle)
-        self._held: OrderedDict[tuple[Any, ...], Complex] = OrderedDict()
+        self._held: dict[tuple[Any, ...], Complex] = {}
 
     def table(self, image: Image) -> SpreadTable:
         passed = transfer_known(image)
@@ -124,14 +123,10 @@ class EdgeTransfer:
             total = total * sinc(xi * scene.interval_x_mrad) * sinc(eta * scene.interval_y_mrad)
         for factor in passed.factors:
             key = (factor.key, grid.interval_x_mrad, grid.interval_y_mrad, *place)
-            values = self._held.get(key)
-            if values is None:
-                values = _complex_at(self._work, factor, xi, eta)
-                self._held[key] = values
+            if (values := self._held.get(key)) is None:
+                values = self._held[key] = _complex_at(self._work, factor, xi, eta)
                 if len(self._held) > _MOST_VALUES:
-                    self._held.popitem(last=False)
-            else:
-                self._held.move_to_end(key)
+                    del self._held[next(iter(self._held))]
             total = total * values
         return total
 

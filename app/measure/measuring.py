@@ -185,22 +185,14 @@ def _preview(picture: Matrix, number: int) -> results.Preview:
     return results.Preview(number, squares.mean(axis=(1, 3)).astype(np.float32), factor)
 
 
-def without_edge(measured: results.PictureMeasurement, place: int) -> results.PictureMeasurement:
-    """The same without one of its edges, counted from 0; the MTF is pooled anew."""
-    return _with_reason(measured, place, results.BY_HAND)
-
-
-def with_edge(measured: results.PictureMeasurement, place: int) -> results.PictureMeasurement:
-    if measured.edges[place].why_not != results.BY_HAND:
-        return measured
-    return _with_reason(measured, place, "")
-
-
-def _with_reason(
-    measured: results.PictureMeasurement, place: int, why: str
+def without_edge(
+    measured: results.PictureMeasurement, place: int, *, again: bool = False
 ) -> results.PictureMeasurement:
+    """The same without one of its edges, counted from 0, or with it again; pooled anew."""
     edges = list(measured.edges)
-    edges[place] = replace(edges[place], why_not=why)
+    if again and edges[place].why_not != results.BY_HAND:
+        return measured
+    edges[place] = replace(edges[place], why_not="" if again else results.BY_HAND)
     x, reason_x = pooled(edges, "x")
     y, reason_y = pooled(edges, "y")
     return replace(measured, edges=tuple(edges), x=x, y=y, reason_x=reason_x, reason_y=reason_y)

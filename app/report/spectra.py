@@ -17,24 +17,17 @@ _FEW = 40  # bands up to which every one has a dot
 def spectrum_facts(evaluation: Evaluation) -> Fact:
     """Mean spectra and responses; empty lists without bands."""
     spectra: dict[str, Fact] = {}
-    for port, image in _with_bands(evaluation):
-        assert image.bands is not None
-        means = image.bands.means()
-        if means.key not in spectra:
-            values = evaluation.work.value(means)
-            spectra[means.key] = _spectrum(image.bands, values, image.unit)
-        spectra[means.key]["ports"].append(port)
+    for name, planned in evaluation.plan.nodes.items():
+        for port, image in planned.outputs.items():
+            if planned.node.disabled or not isinstance(image, Image) or image.bands is None:
+                continue
+            means = image.bands.means()
+            if means.key not in spectra:
+                values = evaluation.work.value(means)
+                spectra[means.key] = _spectrum(image.bands, values, image.unit)
+            spectra[means.key]["ports"].append(f"{name}.{port}")
     responses = _responses(evaluation) if spectra else []
     return {"means": list(spectra.values()), "responses": responses}
-
-
-def _with_bands(evaluation: Evaluation) -> list[tuple[str, Image]]:
-    return [
-        (f"{name}.{port}", value)
-        for name, planned in evaluation.plan.nodes.items()
-        for port, value in planned.outputs.items()
-        if not planned.node.disabled and isinstance(value, Image) and value.bands is not None
-    ]
 
 
 def _spectrum(bands: BandStack, means: Any, unit: str) -> Fact:

@@ -15,7 +15,7 @@ from typing import Self
 from app.run.shipped import Place
 from app.user_folders import FOLDERS
 from core import atomic
-from core.errors import FileError, ImagechainError, UsageError, shown, writing
+from core.errors import FileError, ImagechainError, UsageError, placed, shown, writing
 from core.records import dataclass, field
 from nodes.files.file_format import ZARR
 from nodes.files.zarr_array import is_store
@@ -77,22 +77,17 @@ class Staging:
 
     def check(self, target: Path) -> None:
         real = real_target(target)
+        parent = real.parent
         if any(_overlap(real, path) for path in self._inputs):
             raise FileError(f"cannot write {target}: the file is an input of this run")
-        try:
-            self._check_place(real, target)
-        except OSError as error:
-            raise _cannot(target, error) from error
-
-    def _check_place(self, real: Path, target: Path) -> None:
-        _check_existing(real, target)
-        parent = real.parent
-        made = self._folder is not None and parent.is_relative_to(self._folder)
-        if not parent.is_dir() and not made:
-            raise FileError(f"cannot write {target}: there is no folder {target.parent}")
-        folder = _existing(parent)
-        if not folder.is_dir():
-            raise FileError(f"cannot write {target}: {folder} is not a folder")
+        with writing(f"to {target}"):
+            _check_existing(real, target)
+            made = self._folder is not None and parent.is_relative_to(self._folder)
+            if not parent.is_dir() and not made:
+                raise FileError(f"cannot write {target}: there is no folder {target.parent}")
+            folder = _existing(parent)
+            if not folder.is_dir():
+                raise FileError(f"cannot write {target}: {folder} is not a folder")
         if not os.access(folder, os.W_OK | os.X_OK):
             raise FileError(f"cannot write {target}: no permission to write in {folder}")
 
@@ -176,18 +171,16 @@ def existing_folder(folder: Path) -> Path:
 
 
 def check_folder(folder: Path) -> None:
-    try:
-        status = folder.stat()
-    except FileNotFoundError:  # it will be made
-        above = _existing(real_target(folder))
-        status = above.stat()
-    except NotADirectoryError as error:
-        reason = "part of the path is not a folder"
-        raise FileError(f"cannot write to {folder}: {reason}") from error
-    except OSError as error:
-        raise _cannot(folder, error) from error
-    else:
-        above = folder
+    above = folder
+    with writing(f"to {folder}"):
+        try:
+            status = folder.stat()
+        except FileNotFoundError:  # it will be made
+            above = _existing(real_target(folder))
+            status = above.stat()
+        except NotADirectoryError as error:
+            reason = "part of the path is not a folder"
+            raise FileError(f"cannot write to {folder}: {reason}") from error
     if not stat.S_ISDIR(status.st_mode):
         raise FileError(f"cannot write to {folder}: it is not a folder")
     if not os.access(above, os.W_OK | os.X_OK):
@@ -196,14 +189,8 @@ def check_folder(folder: Path) -> None:
 
 
 def real_target(target: Path) -> Path:
-    try:
+    with writing(f"to {target}"):
         return Path(os.path.realpath(target))
-    except OSError as error:
-        raise _cannot(target, error) from error
-
-
-def _cannot(target: Path, error: OSError) -> FileError:
-    return FileError(f"cannot write to {target}: {error.strerror or error}")
 
 
 def _check_existing(real: Path, target: Path) -> None:
@@ -365,11 +352,8 @@ class WriteRules:
     how_to_allow: str = ""  # what lifts the rule where there is no command line
 
     def check(self, node: str, target: Path) -> None:
-        try:
+        with placed(node or None), writing(target):
             self._check(node, target)
-        except OSError as error:
-            reason = error.strerror or error
-            raise FileError(f"cannot write {target}: {reason}", node=node or None) from error
 
     def _check(self, node: str, target: Path) -> None:
         real = Path(os.path.realpath(target))
@@ -389,7 +373,7 @@ class WriteRules:
             why = "the existing file was not written by this network, or has changed since"
         else:
             return
-        raise FileError(f"cannot write {target}{leads}: {why}; {lift}", node=node or None)
+        raise FileError(f"cannot write {target}{leads}: {why}; {lift}")
 
     def _check_own(self, target: Path) -> None:
         """Refuse one of the run's own files where it is a link to what a node may not write."""

@@ -1,7 +1,7 @@
 """Which picture a network delivers, and the transfer functions that lead to it."""
 
 import itertools
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Iterator
 from typing import Literal
 
 import numpy as np
@@ -172,7 +172,7 @@ def _first_image(planned: PlannedNode, name: str) -> str | None:
     return next((f"{name}.{port}" for port, value in outputs if isinstance(value, Image)), None)
 
 
-def ports_of_images(plan: Plan) -> Iterable[str]:
+def ports_of_images(plan: Plan) -> Iterator[str]:
     for name, planned in plan.nodes.items():
         for port, value in planned.outputs.items():
             if isinstance(value, Image):

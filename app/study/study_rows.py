@@ -263,7 +263,7 @@ class Journal:
         lock_path = self._output.with_name(f".{self.path.name}.lock")
         flags = os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
         with self._open as opened:
-            try:
+            with errors.writing(self.path):
                 if (lock := take(lock_path)) is not None:
                     opened.callback(lock.let_go)
                 elif is_held(lock_path):
@@ -274,8 +274,6 @@ class Journal:
                 opened.callback(os.close, self._file)
                 self._read(b"" if self._fresh else self.path.read_bytes())
                 self._cut()
-            except OSError as error:
-                raise self._cannot(error) from error
             if self._end == 0:
                 self._write(_line(self._head))
             self._open = opened.pop_all()
@@ -321,21 +319,19 @@ class Journal:
 
     def _write(self, data: bytes) -> None:
         try:
-            written = 0
-            while written < len(data):
-                written += os.write(self._file, data[written:])
-        except OSError as error:
+            with errors.writing(self.path):
+                written = 0
+                while written < len(data):
+                    written += os.write(self._file, data[written:])
+        except errors.FileError:
             with contextlib.suppress(OSError):
                 self._cut()
-            raise self._cannot(error) from error
+            raise
         self._end += len(data)
 
     def _cut(self) -> None:
         os.ftruncate(self._file, self._end)
         os.lseek(self._file, self._end, os.SEEK_SET)
-
-    def _cannot(self, error: OSError) -> errors.FileError:
-        return errors.FileError(f"cannot write {self.path}: {error.strerror or error}")
 
 
 def _line(entry: Any) -> bytes:

@@ -325,14 +325,6 @@ class PointEvaluator:
     def figures_of(self, plan: Plan, work: Work) -> Point:
         return computed(self.figures, self.engine, plan, work, self._nodes)
 
-    def at(self, values: Sequence[Any], work: Work) -> Point:
-        try:
-            plan = self.planned(values)
-        except errors.ParameterError as error:
-            return Point(reasons={figure.text: str(error) for figure in self.figures})
-        found = self.figures_of(plan, work)
-        return replace(found, warnings=self.warnings_of(plan, work))
-
     def warnings_of(
         self, plan: Plan, work: Work | None = None, also: Iterable[Recipe] = ()
     ) -> tuple[str, ...]:
@@ -384,8 +376,13 @@ def points_at(
     evaluator = PointEvaluator(engine, plan, targets, figures)
     for values in places:
         work.check()
-        second = values[0] if len(values) > 1 else None
-        yield replace(evaluator.at(values, work), value=values[-1], second=second)
+        where = {"value": values[-1], "second": values[0] if len(values) > 1 else None}
+        try:
+            at = evaluator.planned(values)
+            found = evaluator.figures_of(at, work)
+            yield replace(found, **where, warnings=evaluator.warnings_of(at, work))
+        except errors.ParameterError as error:
+            yield Point(**where, reasons={figure.text: str(error) for figure in figures})
 
 
 def trade_off(

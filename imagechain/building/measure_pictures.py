@@ -144,25 +144,24 @@ _FRAMES = 3  # dimensions
 
 def frames_of_arrays(pictures: Sequence[Any]) -> list[list[NDArray[np.float64]]]:
     """The frames of each array, (rows, columns) or (frames, rows, columns), in double precision."""
-    return [_frames(np.asarray(picture), number) for number, picture in enumerate(pictures, 1)]
+    frames = []
+    for number, array in enumerate(map(np.asarray, pictures), 1):
+        if array.dtype.kind not in "buif" or array.ndim not in (2, _FRAMES) or 0 in array.shape:
+            raise DataError(
+                f"picture {number} is an array of {array.dtype} with shape {array.shape}; allowed: "
+                "real numbers, (rows, columns) or (frames, rows, columns)"
+            )
+        if not np.isfinite(array).all():
+            raise DataError(f"picture {number} has samples that are not finite; {NO_DATA}")
+        own = [*array] if array.ndim == _FRAMES else [array]
+        frames.append([np.asarray(frame, np.float64) for frame in own])
+    return frames
 
 
 def limits_of_arrays(pictures: Sequence[Any]) -> tuple[float, float] | None:
     """Smallest and largest number of the integer type, if all arrays have the same type."""
     ends = {limits_of(np.asarray(picture).dtype) for picture in pictures}
     return ends.pop() if len(ends) == 1 else None
-
-
-def _frames(array: NDArray[Any], number: int) -> list[NDArray[np.float64]]:
-    if array.dtype.kind not in "buif" or array.ndim not in (2, _FRAMES) or 0 in array.shape:
-        raise DataError(
-            f"picture {number} is an array of {array.dtype} with shape {array.shape}; allowed: "
-            "real numbers, (rows, columns) or (frames, rows, columns)"
-        )
-    if not np.isfinite(array).all():
-        raise DataError(f"picture {number} has samples that are not finite; {NO_DATA}")
-    own = [*array] if array.ndim == _FRAMES else [array]
-    return [np.asarray(frame, np.float64) for frame in own]
 
 
 # The result of `imagechain.fit`: values with their errors, and the chain with these values.

@@ -302,7 +302,7 @@ class Result:
         return output.port
 
     def _image(self, port: str) -> Image:
-        names = image_ports(self._plan)
+        names = [*ports_of_images(self._plan)]
         inner = self._plan.network.port_names.get(port, port)
         if inner not in names and inner.rpartition(".")[0] in self._plan.nodes:
             hint = close(port, names) or f"; the pictures are {', '.join(names) or 'none'}"
@@ -312,26 +312,23 @@ class Result:
         return value
 
     def _samples(self, port: str) -> NDArray[Any]:
-        if port not in self._values:
-            self._values[port] = self._computed(port)
-        return self._values[port]
-
-    def _computed(self, port: str) -> NDArray[Any]:
+        if port in self._values:
+            return self._values[port]
         image = self._image(port)
         region = self._region(image)
         with placed(port.rpartition(".")[0]):
             if self._options.frames is None:
                 samples = self._engine.value(self._plan, port, self._work, region)
                 check_finite(samples, port)
-                return _read_only(samples)
-            recipes = (at_frame(image.recipe, number) for number in range(self._options.frames))
-            frames = self._work.one_by_one(recipes, region, forgetting=True)
-            shape = image.shape if region is None else region.shape
-            stack = np.empty((self._options.frames, *shape), self._work.policy.dtype)
-            for number, frame in enumerate(frames):
-                stack[number] = real_array(frame, self._work)
-                check_finite(stack[number], port)
-            return _read_only(stack)
+            else:
+                recipes = (at_frame(image.recipe, number) for number in range(self._options.frames))
+                frames = self._work.one_by_one(recipes, region, forgetting=True)
+                shape = image.shape if region is None else region.shape
+                samples = np.empty((self._options.frames, *shape), self._work.policy.dtype)
+                for number, frame in enumerate(frames):
+                    samples[number] = real_array(frame, self._work)
+                    check_finite(samples[number], port)
+        return self._values.setdefault(port, _read_only(samples))
 
     def _region(self, image: Image) -> Region | None:
         return self._options.region_of(image.shape)
@@ -364,21 +361,16 @@ class Images(Mapping[str, NDArray[Any]]):
         return self._result.image(port)
 
     def __iter__(self) -> Iterator[str]:
-        return iter(image_ports(self._result._plan))
+        return ports_of_images(self._result._plan)
 
     def __len__(self) -> int:
-        return len(image_ports(self._result._plan))
+        return len([*self])
 
     def __repr__(self) -> str:
         return f"<images: {', '.join(self)}>"
 
     def _ipython_key_completions_(self) -> list[str]:
         return list(self)
-
-
-def image_ports(plan: Plan) -> tuple[str, ...]:
-    """Ports of a plan's pictures, in order."""
-    return tuple(ports_of_images(plan))
 
 
 def run_plan(engine: Engine, plan: Plan, options: RunOptions, smaller: Smaller) -> Result:

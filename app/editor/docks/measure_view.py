@@ -389,10 +389,9 @@ class MeasureView(WorkerView):
         if edge.curve is None:
             self._say(f"edge {self.current + 1} cannot be used: {edge.why_not}", failed=True)
             return
-        from app.measure.measuring import with_edge, without_edge
+        from app.measure.measuring import without_edge
 
-        change = without_edge if edge.used else with_edge
-        self.measured = change(measured, self.current)
+        self.measured = without_edge(measured, self.current, again=not edge.used)
         self._show_all()
 
     def _forget_network(self) -> None:
