@@ -204,9 +204,15 @@ def study(
         words = (str(axis.shown(v)) for axis, v in zip(wanted.axes, point, strict=True))
         return " ".join(words)[:60]
 
+    def summarise(result: StudyRows) -> None:
+        for page in summaries:
+            from app.study.study_drawing import write_summary  # which takes matplotlib to load
+
+            write_summary(result, page)
+
     with Progress(len(wanted.points), time_left=True) as progress:
         result = carry_out(
-            wanted, workers, output=output, summaries=summaries, fresh=fresh,
+            wanted, workers, output=output, summarise=summarise, fresh=fresh,
             reached=lambda done: progress.reach(done, where(done)), cancel=stop,
         )  # fmt: skip
     _show_rows(result, [output, *summaries], json, time.perf_counter() - begun)

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from app.run.terminal import four_digits, number_text, sized
+from app.run.terminal import four_digits, number_text, sized, without_rounding
 from app.run.transfer_chain import (
     Axis,
     Chain,
@@ -449,6 +449,18 @@ def figure_rows(
         if len(set(values)) == 1:
             del values[1:]
         rows.append((figure.caption, ", ".join(values), (*units, figure.unit)[0], figure.node))
+    return rows
+
+
+def readout_rows(evaluation: Evaluation) -> list[tuple[str, str, str, str]]:
+    rows = []
+    for node, values in evaluation.readouts.items():
+        planned = evaluation.plan.nodes[node]
+        units = {readout.name: planned.unit(readout) for readout in planned.declaration.readouts}
+        for name, value in values.items():
+            if value is not None:
+                unit = units[name]
+                rows.append((node, name, number_text(without_rounding(value, unit)), unit))
     return rows
 
 

@@ -20,7 +20,6 @@ from typing import TYPE_CHECKING, Any, TextIO
 from core.errors import printable, several
 
 if TYPE_CHECKING:
-    from app.run.evaluation import Evaluation
     from core.modules.parameters import Caution
 
 MOST_WARNINGS = 5
@@ -103,18 +102,6 @@ def jsonable(value: Any) -> Any:
 def json_text(value: Any, indent: int = 2) -> str:
     text = json.dumps(jsonable(value), indent=indent, ensure_ascii=False, allow_nan=False)
     return printable(text) + "\n"
-
-
-def readout_rows(evaluation: Evaluation) -> list[tuple[str, str, str, str]]:
-    rows = []
-    for node, values in evaluation.readouts.items():
-        planned = evaluation.plan.nodes[node]
-        units = {readout.name: planned.unit(readout) for readout in planned.declaration.readouts}
-        for name, value in values.items():
-            if value is not None:
-                unit = units[name]
-                rows.append((node, name, number_text(without_rounding(value, unit)), unit))
-    return rows
 
 
 def warning_lines(warnings: Iterable[Caution]) -> list[str]:

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from app.run import overrides
-from app.run.option_values import Save, assignment, study_path, summary_path
+from app.run.option_values import Save, assignment, study_path
 from app.run.saving import check_suffix, is_cube, region_of
 from app.run.staging import Staging, check_folder
 from app.run.terminal import Stopped, too_late, version
@@ -450,6 +450,7 @@ ALONE_S = 0.5
 """How long one process computes before it is known what the rest of the study takes."""
 _WORTH_S = 4.0  # of one process: less is done sooner than others have begun
 Reached = Callable[[int], None]
+Summarise = Callable[[StudyRows], object]
 
 
 def carry_out(
@@ -460,20 +461,14 @@ def carry_out(
     fresh: bool = False,
     reached: Reached | None = None,
     cancel: threading.Event | None = None,
-    summaries: Sequence[Path] = (),
+    summarise: Summarise = lambda _: None,
 ) -> StudyRows:
     """Compute the points that the journal beside `output` lacks, then write the files."""
     workers.check()
-
-    def summarised(result: StudyRows) -> StudyRows:
-        for page in summaries:
-            from app.study.study_drawing import write_summary  # which takes matplotlib to load
-
-            write_summary(result, page)
-        return result
-
     if output is None:
-        return summarised(_collected(study, workers, {}, cancel, reached))
+        result = _collected(study, workers, {}, cancel, reached)
+        summarise(result)
+        return result
     with Journal(output, study.key, len(study.points), fresh=fresh) as journal:
         for row in [*journal.rows.values()]:
             files = study.files[row.place] if study.files and not row.error else ()
@@ -488,7 +483,7 @@ def carry_out(
             raise
         too_late(cancel)
         write_columns(result.columns(), output, study.name)
-        summarised(result)
+        summarise(result)
         journal.remove()
     return result
 
@@ -520,7 +515,8 @@ def run_study(
     workers: Workers,
     *,
     output: str | None = None,
-    summaries: Sequence[str] = (),
+    summaries: Sequence[Path] = (),
+    summarise: Summarise = lambda _: None,
     fresh: bool = False,
     name: str = "",
     folder: Path = Path(),
@@ -531,12 +527,11 @@ def run_study(
     plain = plain_network(network, library=library)
     check_network(plain, library=library)
     path = None if output is None else study_path("--output", output)
-    pages = [summary_path("--summary", page) for page in summaries]
-    places: dict[str, Any] = {"folder": folder, "output": path, "summaries": pages}
+    places: dict[str, Any] = {"folder": folder, "output": path, "summaries": summaries}
     study = make_study(plain, name=plain.name or name, library=library, **places, **asked)
     if workers.warning:
         warnings.warn(workers.warning, UserWarning, stacklevel=2)
-    return carry_out(study, workers, output=path, summaries=pages, fresh=fresh)
+    return carry_out(study, workers, output=path, summarise=summarise, fresh=fresh)
 
 
 def _made(
