@@ -8,12 +8,11 @@ from typing import Any
 
 from app.run import evaluation as run
 from app.run import saving
-from app.run.evaluation import Figure, figure_rows
+from app.run.evaluation import Figure, figure_rows, readout_rows
 from app.run.option_values import Save
 from app.run.overrides import near
 from app.run.staging import Staging, WriteRules, existing_folder
 from app.run.terminal import columns, json_text, warning_lines
-from app.run.evaluation import readout_rows
 from app.run.transfer_chain import find_output, how_to_choose, mtf_csv
 from core.atomic import write_bytes, write_text
 from core.chain.engine import Engine, Plan, realize

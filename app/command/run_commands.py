@@ -102,19 +102,19 @@ def _answers(display: str) -> bool:
     host, _, number = display.rpartition(":")
     try:
         screen = int(number.partition(".")[0])
-        if host not in ("", "unix"):
-            return _connects(socket.AF_INET, (host, 6000 + screen))
         path = str(_X_SOCKETS / f"X{screen}")
         # Some servers listen on the abstract name alone.
-        return any(_connects(socket.AF_UNIX, prefix + path) for prefix in ("", "\0"))
+        places: list[Any] = [(socket.AF_UNIX, prefix + path) for prefix in ("", "\0")]
+        if host not in ("", "unix"):
+            places = [(socket.AF_INET, (host, 6000 + screen))]
+        for family, address in places:
+            with socket.socket(family, socket.SOCK_STREAM) as trial:
+                trial.settimeout(3)
+                if trial.connect_ex(address) == 0:
+                    return True
     except (OSError, OverflowError, ValueError):
-        return False
-
-
-def _connects(family: socket.AddressFamily, address: Any) -> bool:
-    with socket.socket(family, socket.SOCK_STREAM) as trial:
-        trial.settimeout(3)
-        return trial.connect_ex(address) == 0
+        pass
+    return False
 
 
 @options.command()

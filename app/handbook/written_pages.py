@@ -31,7 +31,6 @@ from core.evaluation.work import Policy
 from core.modules.declaration import Declaration, Library, declaration, ports_text
 from core.modules.parameters import Parameter, plain
 from core.network.file import load_network
-from core.records import dataclass
 
 TEMPLATES = Path(__file__).with_name("templates")
 MARK = "handbook.json"
@@ -90,36 +89,27 @@ def page_titles() -> dict[str, str]:
 
 def find_page(word: str, library: Library) -> tuple[str | None, list[str]]:
     """Address of the page, or None; and the names by which pages can be named."""
-    titles = {f"{name}.html": title for name, title in page_titles().items()}
-    names = {name: f"{name}.html" for name in page_titles()}
-    texts = {address: _source(name) for name, address in names.items()}
+    pages = [(name, f"{name}.html", text, _source(name)) for name, text in page_titles().items()]
     for key, module in library.items():
         declared = declaration(module)
-        address = module_address(key)
-        names[key], titles[address] = address, declared.title
         parameters = " ".join(f"{p.name} {p.param.text}" for p in declared.parameters)
-        texts[address] = f"{declared.text} {parameters}"
-    wanted = word.casefold().strip()
-    by_name = {name.casefold(): address for name, address in names.items()}
-    by_name |= {title.casefold(): address for address, title in titles.items()}
-    if wanted in by_name:
-        return by_name[wanted], list(names)
-    underlined = wanted.replace(" ", "_").replace("-", "_")
-    if underlined in by_name:
-        return by_name[underlined], list(names)
-    ranked = sorted(
-        titles,
-        key=lambda address: (
-            not titles[address].casefold().startswith(wanted),
-            wanted not in titles[address].casefold(),
-            -texts[address].casefold().count(wanted),
-        ),
-    )
-    best = ranked[0]
-    if wanted in SYNONYMS and wanted not in titles[best].casefold():
+        pages.append((key, module_address(key), declared.title, f"{declared.text} {parameters}"))
+    names, wanted = [name for name, *_ in pages], word.casefold().strip()
+    known = {name.casefold(): address for name, address, *_ in pages}
+    known |= {title.casefold(): address for _, address, title, _ in pages}
+    for spelt in (wanted, wanted.replace(" ", "_").replace("-", "_")):
+        if spelt in known:
+            return known[spelt], names
+
+    def rank(page: tuple[str, str, str, str]) -> tuple[bool, bool, int]:
+        title, text = page[2].casefold(), page[3].casefold()
+        return not title.startswith(wanted), wanted not in title, -text.count(wanted)
+
+    _, best, title, text = min(pages, key=rank)
+    if wanted in SYNONYMS and wanted not in title.casefold():
         return find_page(SYNONYMS[wanted], library)
-    has = wanted in titles[best].casefold() or wanted in texts[best].casefold()
-    return (best if wanted and has else None), list(names)
+    has = wanted in title.casefold() or wanted in text.casefold()
+    return (best if wanted and has else None), names
 
 
 def handbook_files(
@@ -152,11 +142,10 @@ def handbook_files(
         found.append([address, page.title, _plain(page.lead), _plain(page.words)])
     for entry in declared:
         progress(entry.title)
-        shown = module_page(entry, {other.title: f"{other.key}.html" for other in declared})
         address = module_address(entry.key)
         later = None if drawn else figures.Example(reason=_LATER)
         about: dict[str, Any] = {
-            "page": shown,
+            "page": module_page(entry, {one.title: f"{one.key}.html" for one in declared}),
             "example": later or figures.example_of(entry, engine),
             "inputs": ports_text(entry.inputs),
             "outputs": ", ".join(port.name for port in entry.outputs),
@@ -164,7 +153,9 @@ def handbook_files(
             "parameters": [(p, p.allowed(), default(p)) for p in entry.parameters],
         }
         yield address, frame.page(address, "module_page.html", entry.title, **about)
-        found.append([address, entry.title, _plain(entry.summary), _plain(shown.words)])
+        said = [entry.key, entry.text, *(f"{p.name} {p.param.text}" for p in entry.parameters)]
+        said += [f"{readout.name} {readout.meaning}" for readout in entry.readouts]
+        found.append([address, entry.title, _plain(entry.summary), _plain(" ".join(said))])
     words, synonyms = (json.dumps(table, ensure_ascii=False) for table in (found, dict(SYNONYMS)))
     yield "words.js", f"const WORDS = {words};\nconst SYNONYMS = {synonyms};\n"
     for name in ("handbook.css", "search.js"):
@@ -384,40 +375,21 @@ _MARKS = re.compile(r"\b(Sources?|Erratum|Errata): ")
 _SYMBOL = re.compile(r"(?<![\w_])([^\W\d_]{1,3})_([^\W_]{1,5})(?![\w_])")
 
 
-@dataclass(frozen=True)
-class ModulePage:
+def module_page(declared: Declaration, addresses: Mapping[str, str] = _NONE) -> dict[str, Any]:
     """The parts of the page, as pieces of it."""
-
-    declared: Declaration
-    paragraphs: tuple[str, ...]
-    sources: tuple[str, ...]
-    errata: tuple[str, ...]
-    formulas: tuple[tuple[str, str, str], ...]  # a drawing, what stands where, and when it holds
-
-    @property
-    def words(self) -> str:
-        declared = self.declared
-        parts = [declared.key, declared.text]
-        parts += [f"{p.name} {p.param.text}" for p in declared.parameters]
-        parts += [f"{r.name} {r.meaning}" for r in declared.readouts]
-        return " ".join(parts)
-
-
-def module_page(declared: Declaration, addresses: Mapping[str, str] = _NONE) -> ModulePage:
-    """What stands on the page."""
     others = {title: at for title, at in addresses.items() if title != declared.title}
     paragraphs, sources, errata = parted(declared.text)
     names = {parameter.name for parameter in declared.parameters}
-    return ModulePage(
-        declared,
-        tuple(with_links(with_symbols(text, names), others) for text in paragraphs),
-        tuple(prose(text, names) for text in sources),
-        tuple(prose(text, names) for text in errata),
-        tuple(
+    return {
+        "declared": declared,
+        "paragraphs": [with_links(with_symbols(text, names), others) for text in paragraphs],
+        "sources": [prose(text, names) for text in sources],
+        "errata": [prose(text, names) for text in errata],
+        "formulas": [
             (drawn(formula.tex), with_symbols(formula.where, names), prose(formula.when, names))
             for formula in declared.formulas
-        ),
-    )
+        ],
+    }
 
 
 def drawn(tex: str) -> str:

@@ -85,16 +85,17 @@ class TransferMeasurement:
         ]
 
     def _levels(self) -> list[tuple[str, ...]]:
-        states = zip(self.curve.used, self.curve.saturated, strict=True)
-        return [
-            (
-                path.name,
-                str(field.frames),
-                *map(number_text, (field.mean_dn, field.temporal_dn2, field.fixed_dn2)),
-                "saturated" if saturated else "" if used else "not used for the fit",
-            )
-            for (path, field), (used, saturated) in zip(self.files, states, strict=True)
-        ]
+        rows = []
+        for path, field, used, saturated in self._fields():
+            figures = map(number_text, (field.mean_dn, field.temporal_dn2, field.fixed_dn2))
+            state = "saturated" if saturated else "" if used else "not used for the fit"
+            rows.append((path.name, str(field.frames), *figures, state))
+        return rows
+
+    def _fields(self) -> Iterator[tuple[Path, FlatField, bool, bool]]:
+        """Every file with its level, whether it is used for the fit, and whether saturated."""
+        states = zip(self.files, self.curve.used, self.curve.saturated, strict=True)
+        return ((*level, used, saturated) for level, used, saturated in states)
 
     def _remarks(self) -> list[str]:
         curve, lines = self.curve, []
@@ -118,7 +119,7 @@ class TransferMeasurement:
             f"warning: {path.name}: {100.0 * field.structure_share:.0f} % of the variance between "
             "pixels comes from structure wider than 8 pixels, as in a scene or uneven light. "
             "PRNU and DSNU include this structure. Give frames of a uniform field"
-            for (path, field), saturated in zip(self.files, self.curve.saturated, strict=True)
+            for path, field, _, saturated in self._fields()
             if field.structure_share > _MOSTLY and not saturated
         ]
 
@@ -140,9 +141,7 @@ class TransferMeasurement:
                     "used": used,
                     "saturated": saturated,
                 }
-                for (path, field), used, saturated in zip(
-                    self.files, self.curve.used, self.curve.saturated, strict=True
-                )
+                for path, field, used, saturated in self._fields()
             ],
         }
 
@@ -170,8 +169,7 @@ def measured_transfer(
     def field(file: FrameFile) -> FlatField:
         report(file.path.name)
         taken = FlatFrames(file.rows, file.columns)
-        for frame in file.each():
-            check()
+        for frame in _frames(file, check):
             taken.add(frame)
         return taken.measured()
 

@@ -60,19 +60,19 @@ class OwnScene:
         allowed = "above 0° and below 180°"
         for value in self.fov_deg or ():
             if not 0.0 < value < 180.0:
-                raise UsageError(f"{self._named('fov_deg')} {value:g}: give {allowed}")
+                raise UsageError(f"{self.named('fov_deg')} {value:g}: give {allowed}")
         for name, length in (("range_m", self.range_m), ("sample_m", self.sample_m)):
             if length is not None and not 0.0 < length < math.inf:
-                raise UsageError(f"{self._named(name)} {length:g}: give a length above 0 m")
+                raise UsageError(f"{self.named(name)} {length:g}: give a length above 0 m")
         if self.band_um is not None and not 0.0 < self.band_um[0] < self.band_um[1] < 1e6:
             low, high = self.band_um
             what = "give the shortest and the longest wavelength in µm"
-            raise UsageError(f"{self._named('band_um')} {low:g} {high:g}: {what}")
+            raise UsageError(f"{self.named('band_um')} {low:g} {high:g}: {what}")
         if self.fov_deg is not None and self.sample_m is not None:
-            names = f"{self._named('fov_deg')} and {self._named('sample_m')}"
+            names = f"{self.named('fov_deg')} and {self.named('sample_m')}"
             raise UsageError(f"{names} both set the field of view: give only one of them")
 
-    def _named(self, name: str) -> str:
+    def named(self, name: str) -> str:
         return f"{self.option}{name.replace('_', '-') if self.option else name}"
 
 
@@ -182,11 +182,11 @@ class _Replacing:
         if not (unit or info.unit):
             raise UsageError(
                 f"{info.path}: the file does not give the unit of its bands: give "
-                f"{self._option('unit')}, such as W/m²/sr/µm"
+                f"{self._own.named('unit')}, such as W/m²/sr/µm"
             )
         if unit == RELATIVE:
             raise UsageError(
-                f"{self._option('unit')} {RELATIVE}: not allowed for a cube; give a unit such "
+                f"{self._own.named('unit')} {RELATIVE}: not allowed for a cube; give a unit such "
                 "as W/m²/sr/µm"
             )
         first, last = band_ends_um(info)
@@ -196,7 +196,7 @@ class _Replacing:
         if low >= high:
             raise UsageError(
                 f"{info.path}: the bands of the file, {_um(ends)}, do not overlap {_um(wanted)}. "
-                f"Give {self._option('band_um')}, or use a network for the file's band"
+                f"Give {self._own.named('band_um')}, or use a network for the file's band"
             )
         kept = before is not None and before.bands is not None
         how = "kept separate" if kept else "summed"
@@ -232,11 +232,11 @@ class _Replacing:
             same = True  # the network lights it already
         if radiance is None and not same and not self._conversion(unit):
             if stated and unit != RELATIVE:
-                raise UsageError(f"{self._option('unit')} {shown(own.unit)}: give {_KNOWN}")
+                raise UsageError(f"{self._own.named('unit')} {shown(own.unit)}: give {_KNOWN}")
             return values | self._relative(unit)
         if radiance is not None and radiance.spectral:
             if band is None:
-                raise UsageError(f"{unit} needs {self._option('band_um')}, the band to sum over")
+                raise UsageError(f"{unit} needs {self._own.named('band_um')}, the band to sum over")
             scale = radiance.factor * (band[1] - band[0])
             values |= {"scale": scale, "unit": "W/m²/sr"}
             self._lines.append(f"samples in {unit}, multiplied by the width of the band")
@@ -264,7 +264,7 @@ class _Replacing:
             raise UsageError(
                 f"{self._info.path}: the file gives no unit, and the network's own scene cannot be "
                 f"read ({reason}), so the samples cannot be scaled to its range. Give "
-                f"{self._option('unit')}"
+                f"{self._own.named('unit')}"
             )
         if before.rows * before.columns > _MOST_SAMPLES:
             raise self._refusal()
@@ -306,7 +306,7 @@ class _Replacing:
         return UsageError(
             f"{self._info.path}: the file gives no unit, and its samples are too large or not "
             "finite, so they cannot be scaled to the range of the network's own scene. Give "
-            f"{self._option('unit')}"
+            f"{self._own.named('unit')}"
         )
 
     def _conversion(self, unit: str) -> str:
@@ -348,12 +348,14 @@ class _Replacing:
         if own.sample_m is not None:
             known = [at for name in self._after if (at := self._value(name, "range_m"))]
             if (distance := own.range_m or max(known, default=None)) is None:
-                raise UsageError(f"{self._option('sample_m')} needs {self._option('range_m')}")
+                raise UsageError(
+                    f"{self._own.named('sample_m')} needs {self._own.named('range_m')}"
+                )
             step = math.degrees(own.sample_m / distance)
             angle = step * wide, step * high
             if max(angle) >= 180.0:
                 raise UsageError(
-                    f"{self._option('sample_m')} {own.sample_m:g}: {_deg(angle)} at "
+                    f"{self._own.named('sample_m')} {own.sample_m:g}: {_deg(angle)} at "
                     f"{distance:g} m is not a possible field of view; allowed: below 180°"
                 )
             self._where.append(f"field of view {_deg(angle)}, samples of {own.sample_m:g} m at "
@@ -461,10 +463,7 @@ class _Replacing:
         return network
 
     def _hint(self, name: str, does: str) -> str:
-        return f" ({self._option(name)} {does})" if self._own.hints else ""
-
-    def _option(self, name: str) -> str:
-        return self._own._named(name)
+        return f" ({self._own.named(name)} {does})" if self._own.hints else ""
 
 
 def _with(network: Network, name: str, **values: Any) -> Network:

@@ -107,22 +107,14 @@ def measure(
         raise UsageError("measure needs a picture: give a file or an array")
     if all(isinstance(one, str | PathLike) for one in pictures):
         paths = tuple(Path(fspath(one)) for one in pictures)  # type: ignore[arg-type]
-        frames = None if dark is None else Path(fspath(dark))
-        how = band, fov_x_deg, frames, offset_dn, pitch_um
-        return MeasuredPictures(measuring.measure_files(paths, *how))
+        own = None if dark is None else Path(fspath(dark))
+        words = band, fov_x_deg, own, offset_dn, pitch_um
+        return MeasuredPictures(measuring.measure_files(paths, *words))
     if dark is not None or band is not None:
         raise UsageError("band and dark apply to files only, not to arrays")
-    measured = _of_arrays(pictures, fov_x_deg, offset_dn)
-    pitch_um = measuring.checked_pitch(pitch_um, "pitch_um")
-    return MeasuredPictures(replace(measured, pitch_um=pitch_um))
-
-
-def _of_arrays(
-    pictures: Sequence[Any], fov_x_deg: float | None, offset_dn: float | None
-) -> PictureMeasurement:
     taken = frames_of_arrays(pictures)
-    frames = [frame for own in taken for frame in own]
-    files = [MeasuredFile(f"array {n}", len(own), "") for n, own in enumerate(taken, 1)]
+    frames = [frame for each in taken for frame in each]
+    files = [MeasuredFile(f"array {n}", len(each), "") for n, each in enumerate(taken, 1)]
     shapes = {frame.shape for frame in frames}
     if len(shapes) > 1:
         raise DataError(
@@ -134,7 +126,10 @@ def _of_arrays(
         interval = interval_mrad(fov_deg=fov_x_deg, samples=columns, name="fov_x_deg")
     limits = limits_of_arrays(pictures)
     how = "", interval, interval, limits, offset_dn
-    return measuring.measure_pictures(measuring.Source(tuple(files), frames, rows, columns, *how))
+    source = measuring.Source(tuple(files), frames, rows, columns, *how)
+    measured = measuring.measure_pictures(source)
+    pitch_um = measuring.checked_pitch(pitch_um, "pitch_um")
+    return MeasuredPictures(replace(measured, pitch_um=pitch_um))
 
 
 # Pictures of a camera that are given as arrays.
