@@ -55,11 +55,8 @@ def measure(
     json: Path | bool | None,
     csv: Path | None,
     report: Path | None,
-    band: int | None,
-    fov_x_deg: float | None,
-    pitch_um: float | None,
     dark: Path | None,
-    offset_dn: float | None,
+    **known: Any,
 ) -> None:
     """Measure MTF and noise in pictures of a camera.
 
@@ -88,7 +85,7 @@ def measure(
     def made() -> PictureMeasurement:
         with Progress(len(inputs)) as progress:
             how: Any = {"check": partial(check_stop, stop), "report": progress}
-            return measure_files(pictures, band, fov_x_deg, dark, offset_dn, pitch_um, **how)
+            return measure_files(pictures, dark=dark, **known, **how)
 
     outputs = [path for path in (json, csv, report) if isinstance(path, Path)]
     measured = written(outputs, inputs, stop, made, measurement_text)
@@ -183,7 +180,7 @@ def fit(
         return format_network(moved.apply(fitted) if moved else fitted, library=library)
 
     files = [path for path in (json, output, report) if isinstance(path, Path)]
-    inputs = [place.path, *pictures, *input_files(plan, place.folder)]
+    inputs = [place.path, *pictures, *input_files(plan)]
     result = written(files, inputs, stop, made, content)
     show(json, lambda: fit_facts(result), fit_text(result))
 

@@ -126,7 +126,7 @@ class _Runs:
         way = way_of_running(plan, _POLICY, None)
         if (store := way.store(None)) is not None:
             self._engine.store.capacity_bytes = store.capacity_bytes
-        for path in input_files(plan, plan.folder):
+        for path in input_files(plan):
             staging.protect(path)
         saves: tuple[Save, ...] = ()
         if job.frames:

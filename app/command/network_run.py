@@ -61,10 +61,10 @@ class Stage:
     def prepare(
         self, engine: Engine, plan: Plan, work: run.TimedWork, *, start: float
     ) -> tuple[run.Evaluation, tuple[Skip, ...]]:
-        staging, place, way = self.staging, plan.folder, self.way
+        staging, way = self.staging, self.way
         writers = _claim(plan, self, work.policy)
         if not self.only_report:
-            sinks = sink_targets(plan, place)
+            sinks = sink_targets(plan)
             if refused := self.rules.claim(sinks, own_files(plan, self.folder), staging):
                 raise NetworkProblems(refused) from refused[0]
         work.check()
@@ -75,7 +75,7 @@ class Stage:
             run.blocks_of(way, engine, plan, work.policy, scratch=scratch, **how) as work.blocks,
             work.hold(run.needed_later(plan, **how, in_blocks=way.in_blocks)),
         ):
-            evaluation = run.evaluate(engine, plan, work, place)
+            evaluation = run.evaluate(engine, plan, work)
             evaluation.seconds["total"] = time.perf_counter() - start
             evaluation.way.update(way.facts(work.blocks))
             if self.only_report:
@@ -150,7 +150,7 @@ class NetworkRun:
         return [*tables, *map(in_line, lines)]
 
 
-def input_files(plan: Plan, folder: Path) -> list[Path]:
+def input_files(plan: Plan) -> list[Path]:
     """Files that the network reads: no output may take their place."""
     files = []
     for node in plan.nodes.values():
@@ -159,7 +159,7 @@ def input_files(plan: Plan, folder: Path) -> list[Path]:
         for parameter in node.declaration.parameters:
             value = getattr(node.module, parameter.name)
             if parameter.kind == "path" and value is not None:
-                files.append(folder / value)
+                files.append(plan.folder / value)
     return files
 
 
@@ -231,12 +231,12 @@ def own_files(plan: Plan, folder: Path) -> list[Path]:
     return [folder / name for name in names]
 
 
-def sink_targets(plan: Plan, folder: Path) -> dict[str, Path]:
+def sink_targets(plan: Plan) -> dict[str, Path]:
     targets = {}
     for name, node in plan.nodes.items():
         target = getattr(node.module, "target", None)
         if node.declaration.sink and not node.node.disabled and target is not None:
-            targets[name] = target(NodeContext(name, plan.network.seed, folder))
+            targets[name] = target(NodeContext(name, plan.network.seed, plan.folder))
     return targets
 
 
@@ -296,7 +296,7 @@ def sink_files(evaluation: run.Evaluation) -> list[tuple[str, Path, Callable[[Pa
     for name, node in evaluation.plan.nodes.items():
         if not node.declaration.sink or node.node.disabled:
             continue
-        here = NodeContext(name, evaluation.network.seed, evaluation.folder)
+        here = NodeContext(name, evaluation.network.seed, evaluation.plan.folder)
         module: Any = node.module
         with placed(name):
             files += [(name, *file) for file in module.files(node.inputs, here, evaluation.work)]

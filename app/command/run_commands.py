@@ -184,7 +184,7 @@ def run(
         engine = Engine(library, way.store(None if reports else Store(KEPT_BYTES)))
         folder, rules = _folder_and_rules(asked, output_dir, allowed)
         figures: list[Figure] = []
-        with Staging(folder, [place.path, *input_files(plan, place.folder)]) as staging:
+        with Staging(folder, [place.path, *input_files(plan)]) as staging:
             with Progress(len(plan.nodes)) as progress:
                 work = TimedWork(policy, engine.store, stop, progress)
                 stage = Stage(
@@ -195,7 +195,7 @@ def run(
             work.check()
             too_late(stop)
             forgotten = rules.commit(staging)
-        written = sink_targets(plan, place.folder).values()
+        written = sink_targets(plan).values()
         others = [*(save.text for save in saves), *map(str, (*reports, *written))]
         return NetworkRun(evaluation, skipped, figures, folder, others), forgotten
 
@@ -241,10 +241,10 @@ def check(
         library, place, network = options.opened(asked, json)
         plan = planned(Engine(library), network, place.folder)
         folder, rules = _folder_and_rules(asked, output_dir, allowed)
-        own, sinks = own_files(plan, folder), sink_targets(plan, place.folder)
+        own, sinks = own_files(plan, folder), sink_targets(plan)
         written.append(f"run writes {', '.join(map(str, own))}")
         written += [f"{node}: run writes {target}" for node, target in sinks.items()]
-        staging = Staging(folder, [place.path, *input_files(plan, place.folder)])
+        staging = Staging(folder, [place.path, *input_files(plan)])
         if refused := rules.claim(sinks, own, staging):
             raise NetworkProblems(refused)
     except InputError as error:

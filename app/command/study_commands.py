@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 from app.command import options
 from app.command.options import Progress, say, show, written
 from app.run import option_values as values
-from app.run.option_values import Save
 from app.run.terminal import Stop
 from core.errors import DataError, UsageError, in_line, several
 from nodes.files.file_format import suffixes
@@ -88,7 +87,7 @@ def tradeoff(
             )
         return results
 
-    inputs = [place.path, *input_files(plan, place.folder)]
+    inputs = [place.path, *input_files(plan)]
     results = written(outputs, inputs, stop, made, trade_off_content)
     width = shutil.get_terminal_size().columns if sys.stdout and sys.stdout.isatty() else None
     lines = [table(results, width)]
@@ -156,11 +155,6 @@ def study(
     asked: GivenNetwork,
     policy: Policy,
     vary: tuple[str, ...],
-    over: tuple[str, ...],
-    sample: str,
-    points: int | None,
-    figures: tuple[str, ...],
-    saves: tuple[Save, ...],
     output: Path,
     summaries: tuple[Path, ...],
     fresh: bool,
@@ -168,6 +162,7 @@ def study(
     memory_bytes: int | None,
     scheduler: str,
     json: bool,
+    **points: Any,
 ) -> None:
     """Compute figures and pictures for many values and scenes.
 
@@ -190,9 +185,8 @@ def study(
         raise UsageError(f"{OPTION} {twice} is given twice: give each parameter once")
     wanted = make_study(
         network, name=network.name or place.name, folder=place.folder, library=library,
-        vary={setting.port: setting.text for setting in settings}, over=over, sample=sample,
-        points=points, figures=figures, saves=saves, policy=policy, read=[place.path],
-        output=output, summaries=summaries,
+        vary={setting.port: setting.text for setting in settings}, policy=policy,
+        read=[place.path], output=output, summaries=summaries, **points,
     )  # fmt: skip
     if workers.warning:
         say(json, f"warning: {workers.warning}")

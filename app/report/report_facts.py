@@ -4,12 +4,11 @@ import time
 from pathlib import Path
 from typing import Any
 
-from app.report.budget import budget_facts
+from app.report.budget import budget_facts, spectrum_facts
 from app.report.data_sheet_facts import conflicts, data_sheet_facts, is_changed, published_rows
 from app.report.drawing.curves import curve_facts
 from app.report.drawing.picture_drawing import drawn_as
 from app.report.edge_measurement import judged_facts
-from app.report.spectra import spectrum_facts
 from app.run.evaluation import Evaluation, main_figures
 from app.run.terminal import json_text, versions
 from app.run.transfer_chain import StageResponse, at_nyquist, ending_images

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
-from app.report.budget import budget
+from app.report.budget import budget, spectrum
 from app.report.data_sheet_facts import DIFFERENT, REPRODUCED, TIMES
 from app.report.drawing.curves import MOST, Part, curves_png, node_curves, product_png, stages_png
 from app.report.drawing.picture_drawing import (
@@ -29,7 +29,6 @@ from app.report.html_page import (
     html_page,
     of_many,
 )
-from app.report.spectra import spectrum
 from app.run.evaluation import Evaluation, Figure, figure_rows, reduced, way_in_words
 from app.run.terminal import four_digits, sized
 from app.run.transfer_chain import Responses

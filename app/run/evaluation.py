@@ -80,7 +80,6 @@ class Evaluation:
     responses: Responses
     readouts: Readouts
     cautions: tuple[Caution, ...]
-    folder: Path
     seconds: dict[str, float] = field(default_factory=dict)
     way: dict[str, Any] = field(default_factory=dict)
     """In memory or in blocks, and why; empty where nothing was chosen."""
@@ -98,7 +97,7 @@ def planned(engine: Engine, network: Network, folder: Path) -> Plan:
     return plan
 
 
-def evaluate(engine: Engine, plan: Plan, work: TimedWork, folder: Path) -> Evaluation:
+def evaluate(engine: Engine, plan: Plan, work: TimedWork) -> Evaluation:
     """Compute inputs, unlinked outputs and read-outs; each recipe is held until its last use."""
     start = time.perf_counter()
     chain = find_chain(plan)
@@ -124,7 +123,7 @@ def evaluate(engine: Engine, plan: Plan, work: TimedWork, folder: Path) -> Evalu
     end = time.perf_counter()
     seconds = {"sources": checked - start, "evaluation": end - checked, "total": end - start}
     found = chain_responses, readouts, cautions
-    return Evaluation(plan, engine, work, chain, *found, folder, seconds)
+    return Evaluation(plan, engine, work, chain, *found, seconds)
 
 
 Read = dict[str, tuple[Recipe, ...]]

@@ -258,7 +258,7 @@ class Result:
             has written itself. Files that were named in Python are always written.
         """
         evaluation, plan, origin = self._evaluation, self._plan, self._options
-        targets = sink_targets(plan, plan.folder)
+        targets = sink_targets(plan)
         file = origin.file if origin.file is not None else plan.folder / "chain without a file.json"
         rules = WriteRules(
             folders=(Path(os.path.realpath(plan.folder)),),
@@ -266,7 +266,7 @@ class Result:
             given=origin.given,
             record=read_record(file),
         )
-        with Staging(None, [file, *input_files(plan, plan.folder)]) as staging:
+        with Staging(None, [file, *input_files(plan)]) as staging:
             for node, path in targets.items():
                 where = shlex.quote(os.path.dirname(os.path.realpath(path)))  # noqa: PTH120
                 told = replace(rules, how_to_allow=f"write_files(allow=[{where}]) allows it")
@@ -285,7 +285,7 @@ class Result:
     def _evaluation(self) -> Evaluation:
         while True:
             try:
-                return evaluate(self._engine, self._plan, self._work, self._plan.folder)
+                return evaluate(self._engine, self._plan, self._work)
             except ImagechainError as error:
                 self._plan = self._smaller(error)
 

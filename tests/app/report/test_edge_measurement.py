@@ -20,7 +20,7 @@ NETWORKS = Path(__file__).parents[3] / "networks"
 def evaluated(network, folder=NETWORKS, precision="double"):
     engine = Engine(standard_library())
     plan = planned(engine, network, folder)
-    return evaluate(engine, plan, TimedWork(Policy(precision), engine.store), folder)
+    return evaluate(engine, plan, TimedWork(Policy(precision), engine.store))
 
 
 def attempts(found):

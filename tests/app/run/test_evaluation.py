@@ -61,7 +61,7 @@ def test_with_a_store_of_one_byte(name):
     plan = planned(engine, shipped(name), NETWORKS)
     work = Counting(store)
     with work.hold(needed_later(plan, [], report=False)):
-        evaluate(engine, plan, work, NETWORKS)
+        evaluate(engine, plan, work)
         skips(plan, work)
     assert {name: count for name, count in work.times.items() if count > 1} == {}
     assert len(work.times) > 5
@@ -76,7 +76,7 @@ def test_with_what_reports_show():
     plan = planned(engine, shipped("kodak_kir310"), NETWORKS)
     work = Counting(store)
     with work.hold(needed_later(plan, [], report=True)):
-        found = evaluate(engine, plan, work, NETWORKS)
+        found = evaluate(engine, plan, work)
         report_facts(found, skips(plan, work))
     assert {name: count for name, count in work.times.items() if count > 1} == {}
     assert store.used_bytes <= 1
@@ -99,7 +99,7 @@ def test_pictures_in_series():
     work = TimedWork(Policy(threads=1), engine.store)
     image = plan.output(f"n{LONG - 1}.image")
     with work.hold(needed_later(plan, [], report=True)):
-        found = evaluate(engine, plan, work, Path())
+        found = evaluate(engine, plan, work)
         noise = work.value(NoiseOf(image))
     assert found.chain.final == f"n{LONG - 1}.image"
     assert len(noise.terms) == LONG
