@@ -9,8 +9,8 @@ from scipy.special import erf
 
 from app.bench.tables import Table, judged
 from app.bench.timing import SIZE, Settings, repeated, sensor_network
+from app.fit.chain_transfer import free_parameters
 from app.fit.fit_result import FitResult
-from app.fit.free_parameter import free_parameters
 from app.fit.picture_fit import FittedPictures, fit_pictures
 from app.measure.measuring import Source, measure_pictures
 from app.measure.picture_measurement import MeasuredFile, PictureMeasurement

@@ -143,8 +143,8 @@ def fit(
     optics.defocus_waves=0:1 --report fit.html --output fitted.json
     """
     from app.command.network_run import input_files
+    from app.fit.chain_transfer import free_parameters
     from app.fit.fit_page import fit_facts, fit_page, fit_text
-    from app.fit.free_parameter import free_parameters
     from app.fit.picture_fit import fit_pictures, read_pictures
     from app.run.terminal import json_text
     from app.tradeoff.tradeoff_results import with_value

@@ -10,9 +10,17 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from app.fit.chain_transfer import ChainAt, EdgeTransfer, NoiseProblem
+from app.fit.chain_transfer import (
+    ChainAt,
+    EdgeTransfer,
+    FreeParameter,
+    NoiseProblem,
+    apart,
+    inner,
+    middle_of,
+    starts,
+)
 from app.fit.edge_fit import MARGIN, EdgeFits, EdgesAt, Patch, SpreadTable, period_for, reaching_in
-from app.fit.free_parameter import FreeParameter, apart, inner, middle_of, starts
 from core.errors import FAULTS, DataError
 from core.evaluation.work import Work
 from core.kernels import special

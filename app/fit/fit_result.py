@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.fit.chain_fit import ChainFit, scales_of
-from app.fit.free_parameter import places
+from app.fit.chain_transfer import places
 from core.physics.measurement.sample_noise import LevelVariance
 from core.records import dataclass
 

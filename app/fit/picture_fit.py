@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from app.fit import chain_transfer
 from app.fit.chain_fit import EdgeProblem, Watch, fit_chain
+from app.fit.chain_transfer import FreeParameter
 from app.fit.edge_fit import Patch, patch_of
 from app.fit.fit_result import FitResult, NoiseComparison, result_of
-from app.fit.free_parameter import FreeParameter
 from app.measure.measurement_text import file_warnings, in_words
 from app.measure.measuring import measured_file, refuse_small
 from app.measure.picture_measurement import WITH_LOSS, PictureFile, common_limits, open_picture

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from app.fit.chain_transfer import free_parameters
 from app.fit.fit_page import fit_facts, fit_text
 from app.fit.fit_result import FitResult
-from app.fit.free_parameter import free_parameters
 from app.fit.picture_fit import FittedPictures, fit_pictures, read_pictures
 from app.measure import measuring
 from app.measure.measurement_page import measurement_json, write_measurement

@@ -206,9 +206,8 @@ def freed(network, truth, rng):
 def fitted(network, picture, free, clip_levels=None):
     """A fit's result by the product's own way from the picture to the errors."""
     from app.fit.chain_fit import EdgeProblem, fit_chain
-    from app.fit.chain_transfer import ChainAt
+    from app.fit.chain_transfer import ChainAt, free_parameters
     from app.fit.fit_result import result_of
-    from app.fit.free_parameter import free_parameters
     from app.fit.picture_fit import edges_in
     from core.chain.engine import Engine
     from core.errors import DataError

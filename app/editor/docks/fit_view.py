@@ -32,9 +32,9 @@ from core.network.network import Network
 from core.records import replace
 
 if TYPE_CHECKING:
+    from app.fit.chain_transfer import FreeParameter
     from app.fit.edge_fit import EdgesAt, Patch
     from app.fit.fit_result import FitResult, FittedParameter
-    from app.fit.free_parameter import FreeParameter
     from app.fit.picture_fit import FittedPictures
 
 _NO_PICTURE = "no picture"
@@ -283,7 +283,7 @@ def limited(
     numbers: tuple[FreeNumber, ...], network: Network, session: Session
 ) -> tuple[FreeParameter, ...]:
     """The free parameters within the limits that were typed."""
-    from app.fit.free_parameter import free_parameters
+    from app.fit.chain_transfer import free_parameters
 
     if not numbers:
         raise UsageError(_NOTHING_FREE)

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from app.fit.chain_fit import EdgeProblem, fit_chain, positive, student_factor, widened_by_scatter
-from app.fit.chain_transfer import ChainAt
-from app.fit.free_parameter import free_parameters
+from app.fit.chain_transfer import ChainAt, free_parameters
 from app.fit.picture_fit import edges_in
 from core.chain.engine import Engine
 from core.evaluation.work import Policy

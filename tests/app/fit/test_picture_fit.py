@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from app.fit.free_parameter import free_parameters
+from app.fit.chain_transfer import free_parameters
 from app.fit.picture_fit import edges_in
 from core.network.file import parse_network
 from edge_truth import blur_network, gaussian_edge
