@@ -68,15 +68,10 @@ def one_thread(settings: Settings) -> list[Table]:
 
 def _cold_and_edited(kodak: Kodak, settings: Settings) -> list[Any]:
     whole, quiet = kodak.network, kodak.without_photons()
-    sensor, every = ("electronics",), tuple(whole.nodes)
+    sensor, read = ("electronics",), partial(kodak.cold, whole, FINAL, tuple(whole.nodes))
     cold: list[Subject] = [
         ("whole network", partial(kodak.cold, whole, FINAL, sensor), 5.0, 2.5),
-        (
-            "whole network, with read-outs of every node",
-            partial(kodak.cold, whole, FINAL, every),
-            5.0,
-            2.5,
-        ),
+        ("whole network, with read-outs of every node", read, 5.0, 2.5),
         ("without photon noise", partial(kodak.cold, quiet, FINAL, sensor), 4.0, 2.0),
         ("optics alone, pixels combined", partial(kodak.cold, quiet, PIXELS), 2.2, 1.2),
     ]

@@ -23,6 +23,8 @@ def fit_page(result: FitResult, *, network: str, pictures: tuple[str, ...]) -> s
     title = f"{network} fitted to {first}{more}"
     misfit = result.fit.misfit
     lines = [*(f"Warning: {line}." for line in result.warnings), *(f"{n}." for n in result.notes)]
+    heads = ("parameter", "value ± standard error", "unit", "value before the fit")
+    rows = [_row(result, index) for index in range(len(result.parameters))]
     blocks: list[Block] = [
         Heading(1, title),
         Text(
@@ -34,12 +36,7 @@ def fit_page(result: FitResult, *, network: str, pictures: tuple[str, ...]) -> s
             f"{short(result.chi2_per_degree)} (1 if the residuals are only noise).",
             "lead",
         ),
-        Grid(
-            ("parameter", "value ± standard error", "unit", "value before the fit"),
-            [_row(result, index) for index in range(len(result.parameters))],
-            numbers=(1, 3),
-            kind="fitted",
-        ),
+        Grid(heads, rows, numbers=(1, 3), kind="fitted"),
         *([Items(tuple(f"{line[:1].upper()}{line[1:]}" for line in lines))] if lines else []),
         *_combinations(result),
         *_correlation(result),

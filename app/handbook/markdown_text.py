@@ -35,25 +35,6 @@ class Rendered:
     words: str = ""
 
 
-@dataclass(frozen=True)
-class Block:
-    """A block of code, of output, or of a file's content."""
-
-    kind: str
-    name: str
-    text: str
-
-
-def blocks_of(text: str) -> list[Block]:
-    """The fenced blocks of a page, in order."""
-    blocks = []
-    for token in _parser().parse(text):
-        if token.type == "fence":
-            kind, _, name = token.info.strip().partition(" ")
-            blocks.append(Block(kind, name.strip(), token.content))
-    return blocks
-
-
 def rendered(text: str, modules: Mapping[str, str], figure: Figure) -> Rendered:
     """A page of Markdown."""
     parser = _parser()

@@ -271,10 +271,8 @@ class _Frame:
         self._environment = templates(TEMPLATES)
         self._awaited = "" if drawn else DRAWN
         titles = page_titles()
-        self._parts = [
-            (title, [(f"{name}.html", titles[name]) for name in pages])
-            for title, pages in figures.PARTS.items()
-        ]
+        parts = figures.PARTS.items()
+        self._parts = [(part, [(f"{n}.html", titles[n]) for n in pages]) for part, pages in parts]
         for group, members in groupby(declared, key=lambda entry: entry.group):
             entries = [(module_address(entry.key), entry.listed) for entry in members]
             self._parts.append((f"Modules: {group}", entries))
@@ -286,17 +284,10 @@ class _Frame:
 
     def page(self, address: str, template: str, title: str, **values: Any) -> str:
         place = next(at for at, entry in enumerate(self._order) if entry[0] == address)
-        return self.piece(
-            template,
-            title=title,
-            address=address,
-            root="../" * address.count("/"),
-            awaited=self._awaited,
-            parts=self._parts,
-            before=self._order[place - 1] if place else None,
-            after=self._order[place + 1] if place + 1 < len(self._order) else None,
-            **{"body": "", **values},
-        )
+        beside = [None, *self._order, None][place : place + 3 : 2]
+        values |= {"title": title, "address": address, "root": "../" * address.count("/")}
+        values |= {"awaited": self._awaited, "parts": self._parts}
+        return self.piece(template, before=beside[0], after=beside[1], **{"body": "", **values})
 
 
 def _source(name: str) -> str:

@@ -188,20 +188,16 @@ def _published(facts: dict[str, Any]) -> list[Block]:
     blocks: list[Block] = []
     if rows:
         good = sum(row["verdict"] == REPRODUCED for row in rows)
+        heads = ("figure", "where", "published", "here", "unit", "verdict", "reason")
+        marks = {REPRODUCED: "good", DIFFERENT: "bad"}
         blocks += [
             Heading(2, "Comparison with published figures"),
             Text(f"{good} of {len(rows)} reproduced."),
-            Grid(
-                ("figure", "where", "published", "here", "unit", "verdict", "reason"),
-                [_published_cells(row) for row in rows],
-                numbers=(2, 3),
-                kind="published",
-                marks={5: {REPRODUCED: "good", DIFFERENT: "bad"}},
-            ),
+            Grid(heads, list(map(_published_cells, rows)), (2, 3), {5: marks}, "published"),
         ]
     if facts["conflicts"]:
-        blocks.append(Heading(3 if rows else 2, "Conflicts within the source"))
-        blocks.append(Items(tuple(facts["conflicts"])))
+        blocks += [Heading(3 if rows else 2, "Conflicts within the source")]
+        blocks += [Items(tuple(facts["conflicts"]))]
     return blocks
 
 

@@ -90,9 +90,11 @@ class Evaluation:
 
 
 def planned(engine: Engine, network: Network, folder: Path) -> Plan:
-    plan = engine.plan(network, folder=folder)
-    errors = plan.errors()
-    if errors:
+    return refuse_faults(engine.plan(network, folder=folder))
+
+
+def refuse_faults(plan: Plan) -> Plan:
+    if errors := plan.errors():
         raise NetworkProblems(errors) from errors[0]
     return plan
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from app.run.evaluation import way_of_running
+from app.run.evaluation import refuse_faults, way_of_running
 from app.run.own_scene import EIGHT_BITS, OwnScene, fitted, grey, sample_ends, with_own_scene
 from app.run.transfer_chain import ancestors, find_output
 from core.chain.engine import Engine, Plan, asked_for
@@ -18,7 +18,6 @@ from core.chain.wires import Image
 from core.errors import DataError, NetworkError, ParameterError, UsageError, placed
 from core.evaluation.work import Policy, Work
 from core.network.linked_values import with_values
-from core.network.validation import NetworkProblems
 from core.records import replace
 from imagechain.building.chain_state import ChainState, planned_scene
 from imagechain.parts.plain_errors import plain_errors
@@ -70,7 +69,7 @@ class Camera:
         self._held = {name: plan.nodes[name] for name in samples if name in needed}
         self._engine = Engine(planner.library)
         self._plan = self._engine.plan(self._network, folder=plan.folder, held=self._held)
-        _refuse_faults(self._plan)
+        refuse_faults(self._plan)
         if way_of_running(self._plan, policy, None).in_blocks:
             raise UsageError(
                 f"size = {size}: the pictures are too large for memory; use Chain.run, which "
@@ -126,8 +125,7 @@ class Camera:
             previous=self._plan,
             held={**self._held, self._scene: planned_scene(node, held)},
         )
-        _refuse_faults(self._plan)
-        return self._plan
+        return refuse_faults(self._plan)
 
     def _samples(self, frame: Any) -> HeldSamples:
         unit = getattr(frame, "attrs", {}).get("units", self._unit)
@@ -184,8 +182,3 @@ def _ports(plan: Plan, outputs: str | Sequence[str] | None) -> tuple[str, ...]:
     for port in ports:
         plan.output(port)
     return ports
-
-
-def _refuse_faults(plan: Plan) -> None:
-    if errors := plan.errors():
-        raise NetworkProblems(errors)

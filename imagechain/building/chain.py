@@ -10,6 +10,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from app.run.evaluation import refuse_faults
 from app.run.own_scene import OwnScene
 from app.run.shipped import find_network, shipped_networks
 from app.run.terminal import columns
@@ -472,11 +473,8 @@ class Chain:
 
     def planned(self, seed: int | None = None) -> tuple[Engine, Plan]:
         """The engine and the chain's plan; raises an error if the plan contains errors."""
-        plan = self._planned = self._state.plan(self._engine, seed, self._planned)
-        errors = plan.errors()
-        if errors:
-            raise NetworkProblems(errors)
-        return self._engine, plan
+        self._planned = self._state.plan(self._engine, seed, self._planned)
+        return self._engine, refuse_faults(self._planned)
 
     def __repr__(self) -> str:
         title = f"<Chain {shown(self.name) if self.name else ''}".rstrip()

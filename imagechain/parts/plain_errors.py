@@ -88,11 +88,3 @@ def png(content: bytes, *, alt: str, width: int | None = None) -> str:
 def block(*parts: str) -> str:
     """HTML parts, one below the other."""
     return "<div>" + "".join(f"<div>{part}</div>" for part in parts if part) + "</div>"
-
-
-# Matplotlib as the user's program has it, where the reports' own drawing is used.
-
-
-def users_matplotlib() -> None:
-    """Import matplotlib with the user's settings, if it is not imported yet."""
-    import matplotlib  # noqa: F401

@@ -35,7 +35,7 @@ from core.evaluation.work import Policy
 from core.machine import store_bytes
 from core.modules.parameters import Caution
 from core.records import replace
-from imagechain.parts.plain_errors import block, plain_errors, stays_here, table, users_matplotlib
+from imagechain.parts.plain_errors import block, plain_errors, stays_here, table
 from imagechain.results import tables
 from nodes.files.formats import check_finite
 from nodes.files.frames import header_beside_frames
@@ -242,7 +242,8 @@ class Result:
 
         target = report_path("--report", fspath(path))
         evaluation = self._evaluation
-        users_matplotlib()
+        import matplotlib  # noqa: F401  (first, so that it has the user's settings)
+
         write_report(evaluation, skips(self._plan, self._work), target)
         return target
 

@@ -21,16 +21,7 @@ from core.errors import ParameterError, close, several, shown
 from core.evaluation.recipes import Region
 from core.evaluation.work import Work
 from core.records import dataclass, field
-from imagechain.parts.plain_errors import (
-    block,
-    needed,
-    plain_errors,
-    png,
-    stays_here,
-    table,
-    text,
-    users_matplotlib,
-)
+from imagechain.parts.plain_errors import block, needed, plain_errors, png, stays_here, table, text
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -192,7 +183,8 @@ class StageCurves(_Named[Mapping[str, StageCurve]]):
 
     def to_png(self) -> bytes:
         """Return a plot of the MTFs as PNG, drawn as in a report."""
-        users_matplotlib()
+        import matplotlib  # noqa: F401  (first, so that it has the user's settings)
+
         drawing: bytes = self._drawn()
         return drawing
 

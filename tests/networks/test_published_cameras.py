@@ -5,12 +5,12 @@ import json
 import pytest
 
 from app.handbook.example_figures import PAGES, published_camera
-from app.handbook.markdown_text import blocks_of
 from app.run.shipped import published_networks, shipped_networks
 from command_line import run_here
 from core.chain.engine import Engine
 from core.network.file import format_network, load_network
 from nodes.library import standard_library
+from page_blocks import blocks_of
 
 LIBRARY = standard_library()
 FILES = published_networks()

@@ -20,9 +20,9 @@ from itertools import pairwise
 import pytest
 
 from app.handbook.example_figures import PAGES, PARTS
-from app.handbook.markdown_text import blocks_of
 from child_process import ROOT
 from command_line import read_words, run_here
+from page_blocks import blocks_of
 
 NAMES = [name for pages in PARTS.values() for name in pages]
 TEXTS = {name: (PAGES / f"{name}.md").read_text(encoding="utf-8") for name in NAMES}

@@ -8,7 +8,7 @@ from urllib.parse import unquote, urlsplit
 import pytest
 
 from app.handbook.example_figures import PAGES, PARTS
-from app.handbook.markdown_text import blocks_of, rendered
+from app.handbook.markdown_text import rendered
 from app.handbook.written_pages import (
     DRAWN,
     MARK,
@@ -21,6 +21,7 @@ from app.handbook.written_pages import (
 from command_line import run_here, run_process
 from core.modules.declaration import declaration
 from nodes.library import standard_library
+from page_blocks import blocks_of
 
 LIBRARY = standard_library()
 
