@@ -204,7 +204,6 @@ class Chain:
         self._edits = 0
 
     def take(self, scene: Any) -> None:
-        """Begin with another picture from now on."""
         self.store.hold(self._key, scene)
 
     def value(self, network: Network, port: str) -> Any:

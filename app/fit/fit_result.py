@@ -31,8 +31,6 @@ _MATCH = 0.02  # by which ratios may differ from those of a combination with who
 
 @dataclass(frozen=True)
 class Combination:
-    """What is known of parameters that are not told apart."""
-
     members: tuple[int, ...]  # their places among the free parameters
     text: str  # the combination, in the parameters' names
     value: float  # with its standard error

@@ -116,7 +116,6 @@ def fit_pictures(
     report: Callable[[str], None] = lambda _text: None,
     watch: Watch | None = None,
 ) -> FitResult:
-    """Fit the free parameters of a planned network."""
     final = chain_transfer.final_image(plan)
     passed = chain_transfer.transfer_known(final)
     report("edges")

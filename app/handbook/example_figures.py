@@ -50,7 +50,6 @@ class Example:
 
 
 def example_of(declared: Declaration, engine: Engine) -> Example:
-    """Run the module's example, and draw it."""
     if declared.key in NO_EXAMPLE:
         return Example(reason=NO_EXAMPLE[declared.key])
     network = example_network(declared, engine.library)
@@ -489,7 +488,6 @@ class PublishedCamera:
 
 
 def published_camera(name: str, engine: Engine) -> PublishedCamera:
-    """Open the camera's network, and compute its published figures."""
     path = published_networks()[name]
     network = load_network(path, library=engine.library)
     plan, work = engine.plan(network, folder=path.parent), engine.work(Policy())
@@ -510,7 +508,6 @@ def published_camera(name: str, engine: Engine) -> PublishedCamera:
 
 
 def _value(plan: Plan, port: str) -> str:
-    """A parameter's value with its unit."""
     node, _, name = port.partition(".")
     planned = plan.nodes[node]
     parameter = next(each for each in planned.declaration.parameters if each.name == name)

@@ -27,8 +27,6 @@ _REMARK = re.compile(r"^<!--.*-->\n", re.MULTILINE)  # such as marks to write be
 
 @dataclass
 class Rendered:
-    """A page's body, and what it says."""
-
     title: str = ""
     lead: str = ""
     body: str = ""
@@ -36,7 +34,6 @@ class Rendered:
 
 
 def rendered(text: str, modules: Mapping[str, str], figure: Figure) -> Rendered:
-    """A page of Markdown."""
     parser = _parser()
     page = Rendered()
     tokens = parser.parse(_REMARK.sub("", text))
@@ -141,7 +138,6 @@ class FormulaError(ImagechainError):
 
 @cache
 def formula_svg(tex: str) -> str:
-    """The drawing of a formula, as a piece of a page."""
     mpl = load_matplotlib()
     from matplotlib.font_manager import FontProperties
     from matplotlib.textpath import TextToPath

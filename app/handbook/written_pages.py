@@ -74,12 +74,10 @@ SYNONYMS = {
 
 
 def module_address(key: str) -> str:
-    """Where a module's page lies, from the handbook's folder."""
     return f"{figures.MODULES}/{key}.html"
 
 
 def page_titles() -> dict[str, str]:
-    """Titles of the pages of Markdown, by their names."""
     return {
         name: _source(name).split("\n", 1)[0].lstrip("# ").strip()
         for pages in figures.PARTS.values()

@@ -101,18 +101,17 @@ def measure_pictures(
     no_noise: list[str] = []
     warnings: list[str] = []
     for number, picture in enumerate(source.pictures):
-        name = _name(source.files, number)
+        file, frame = results.file_of(source.files, number)
+        name = Path(file.name).name + ("" if file.frames == 1 else f", frame {frame}")
         report(name)
         check()
-        _refuse_extreme(picture, name)
-        if source.offset_dn is not None:
-            _refuse_dark(picture, name, source.offset_dn)
+        _refuse_unfit(picture, name, source.offset_dn)
         if number < MOST_PREVIEWS:
             previews.append(_preview(picture, number))
         if taken is not None:
             taken.add(picture)
         own = edges_of(picture=picture, number=number, clip_levels=source.clip_levels, check=check)
-        if results.file_of(source.files, number)[0].is_lossy:
+        if file.is_lossy:
             edges += [replace(edge, why_not=edge.why_not or results.WITH_LOSS) for edge in own]
             continue
         edges += own
@@ -156,16 +155,7 @@ def refuse_small(name: str, rows: int, columns: int) -> None:
     )
 
 
-def _refuse_dark(picture: Matrix, name: str, offset: float) -> None:
-    mean = float(picture.mean())
-    if not offset < mean:
-        raise DataError(
-            f"{name}: the mean level, {mean:.6g}, is not above the dark level, {offset:.6g}. "
-            "Check the dark frames (--dark) or the dark level (--offset-dn)"
-        )
-
-
-def _refuse_extreme(picture: Matrix, name: str) -> None:
+def _refuse_unfit(picture: Matrix, name: str, offset: float | None) -> None:
     """Refuse numbers of which squares of squares cannot be had in double precision."""
     low, high = float(picture.min()), float(picture.max())
     most = max(abs(low), abs(high))
@@ -174,6 +164,12 @@ def _refuse_extreme(picture: Matrix, name: str) -> None:
             f"{name}: samples from {low:.4g} to {high:.4g} cannot be measured. Scale the samples: "
             f"no sample may exceed ±{_LARGEST:g}, and their range must be at least "
             f"{1.0 / _LARGEST:g}"
+        )
+    mean = float(picture.mean())
+    if offset is not None and not offset < mean:
+        raise DataError(
+            f"{name}: the mean level, {mean:.6g}, is not above the dark level, {offset:.6g}. "
+            "Check the dark frames (--dark) or the dark level (--offset-dn)"
         )
 
 
@@ -200,12 +196,6 @@ def without_edge(
 
 def measured_file(file: results.PictureFile) -> results.MeasuredFile:
     return results.MeasuredFile(str(file.path), file.frames, file.taken, file.gamma, file.is_lossy)
-
-
-def _name(files: Sequence[results.MeasuredFile], number: int) -> str:
-    file, frame = results.file_of(files, number)
-    name = Path(file.name).name
-    return name if file.frames == 1 else f"{name}, frame {frame}"
 
 
 def _frames(taken: SceneFrames | None, offset_dn: float) -> tuple[FramesNoise | None, str]:

@@ -27,7 +27,6 @@ NOISE_PORTS = ("noise", "detector_noise", "quantization_error")
 
 
 def write_report(evaluation: Evaluation, skipped: tuple[Skip, ...], path: Path) -> None:
-    """Write the report in the format of the path's suffix."""
     facts = report_facts(evaluation, skipped)
     if JSON.matches(path):
         text = json_text(facts, indent=1)

@@ -21,7 +21,6 @@ class Place:
 
 
 def shipped_networks() -> dict[str, Path]:
-    """The example networks, by name."""
     return _networks("*.json")
 
 
