@@ -233,10 +233,14 @@ class Section:
     """
 
     title: str  # stands above them; may be empty
-    parameters: tuple[str, ...]  # their names, in order
+    names: str | tuple[str, ...]  # of the parameters, in order; in a text between blanks
     page: str = ""
     shown_when: tuple[str, tuple[Any, ...]] | None = None  # a parameter, and values of it
     offer: Offer | None = None  # limits the choices of one of the parameters
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        return tuple(self.names.split()) if isinstance(self.names, str) else self.names
 
     def mentioned(self) -> tuple[str, ...]:
         offer, condition = self.offer, self.shown_when

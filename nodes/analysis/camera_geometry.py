@@ -232,24 +232,20 @@ class CameraGeometry(Module, key="camera_geometry", title="Camera Geometry", gro
 
     preview_lines = 10.5
     panel = (
-        Section("Camera", ("kind", "altitude_m", "columns", "rows"), page="Camera"),
-        Section(
-            "Samples", ("fov_x_deg", "pitch_x_um", "pitch_y_um", "focal_length_mm"), page="Camera"
-        ),
+        Section("Camera", "kind altitude_m columns rows", page="Camera"),
+        Section("Samples", "fov_x_deg pitch_x_um pitch_y_um focal_length_mm", page="Camera"),
         Section(
             "Flight",
-            ("velocity_m_per_s", "line_rate_Hz"),
+            "velocity_m_per_s line_rate_Hz",
             page="Camera",
             shown_when=("kind", ("line", "pushbroom")),
         ),
-        Section("Attitude", ("roll_deg", "pitch_deg", "yaw_deg"), page="Attitude"),
+        Section("Attitude", "roll_deg pitch_deg yaw_deg", page="Attitude"),
         Section(
-            "Scene",
-            ("ground_interval_m", "ground_interval_y_m", "offset_x_m", "offset_y_m"),
-            page="Scene",
+            "Scene", "ground_interval_m ground_interval_y_m offset_x_m offset_y_m", page="Scene"
         ),
-        Section("Sampling", ("interpolation", "strips", "outside"), page="Scene"),
-        Section("", ("fill_value",), page="Scene", shown_when=("outside", ("fill",))),
+        Section("Sampling", "interpolation strips outside", page="Scene"),
+        Section("", "fill_value", page="Scene", shown_when=("outside", ("fill",))),
     )
 
     def run(self, image: Image, here: NodeContext) -> CameraOutputs:

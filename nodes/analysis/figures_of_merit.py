@@ -239,20 +239,16 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
     )
 
     panel = (
-        Section("", ("model", "scanning", "snr_threshold"), page="Sensor"),
-        Section("Noise", ("cut_on_um", "cut_off_um", "background_K"), page="Sensor"),
-        Section("In time", ("frame_rate_Hz", "eye_integration_s"), page="Eye"),
-        Section("MDTD", ("mdtd_window", "eye_limit_mrad"), page="Eye"),
+        Section("", "model scanning snr_threshold", page="Sensor"),
+        Section("Noise", "cut_on_um cut_off_um background_K", page="Sensor"),
+        Section("In time", "frame_rate_Hz eye_integration_s", page="Eye"),
+        Section("MDTD", "mdtd_window eye_limit_mrad", page="Eye"),
         Section(
-            "Target",
-            ("target_size_m", "target_delta_K", "extinction_per_km", "range_max_km"),
-            page="Target",
+            "Target", "target_size_m target_delta_K extinction_per_km range_max_km", page="Target"
         ),
-        Section(
-            "Johnson", ("n50_detection", "n50_recognition", "n50_identification"), page="Target"
-        ),
-        Section("Task and scene", ("ttp_threshold", "v50", "scene_contrast_K"), page="TTP"),
-        Section("Display", ("display_cd_m2", "display_deg", "magnification"), page="TTP"),
+        Section("Johnson", "n50_detection n50_recognition n50_identification", page="Target"),
+        Section("Task and scene", "ttp_threshold v50 scene_contrast_K", page="TTP"),
+        Section("Display", "display_cd_m2 display_deg magnification", page="TTP"),
     )
 
     def run(self, context: Context, image: Image, here: NodeContext) -> MeritOutputs:

@@ -142,10 +142,10 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
     )
 
     panel = (
-        Section("View", ("range_m", "gsd_m", "elevation_deg", "off_nadir_deg")),
-        Section("Edge", ("rer_x", "rer_y")),
-        Section("Noise", ("snr", "snr_of")),
-        Section("Sharpening", ("overshoot", "noise_gain")),
+        Section("View", "range_m gsd_m elevation_deg off_nadir_deg"),
+        Section("Edge", "rer_x rer_y"),
+        Section("Noise", "snr snr_of"),
+        Section("Sharpening", "overshoot noise_gain"),
     )
 
     def run(self, context: Context, image: Image, here: NodeContext) -> QualityOutputs:

@@ -210,12 +210,12 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
     )
 
     panel = (
-        Section("Scan", ("scan", "look_angle_deg", "nadir_column")),
-        Section("Scan lines on the ground", ("spacing",)),
-        Section("", ("line_spacing_m",), shown_when=("spacing", ("typed",))),
-        Section("", ("altitude_m",), shown_when=("spacing", ("typed", "flight"))),
-        Section("Apertures and other non-separable factors", ("method",)),
-        Section("", ("nodes", "tolerance"), shown_when=("method", ("nodes",))),
+        Section("Scan", "scan look_angle_deg nadir_column"),
+        Section("Scan lines on the ground", "spacing"),
+        Section("", "line_spacing_m", shown_when=("spacing", ("typed",))),
+        Section("", "altitude_m", shown_when=("spacing", ("typed", "flight"))),
+        Section("Apertures and other non-separable factors", "method"),
+        Section("", "nodes tolerance", shown_when=("method", ("nodes",))),
     )
 
     def check(self) -> None:

@@ -459,15 +459,15 @@ class MeasuredMTF(Module, key="measured_mtf", title="Measured MTF", group="Analy
     )
 
     panel = (
-        Section("", ("method", "target", "direction")),
-        Section("Region", ("region_x", "region_y", "region_width", "region_height")),
-        Section("Slanted edge", ("window", "samples"), shown_when=("method", ("slanted_edge",))),
+        Section("", "method target direction"),
+        Section("Region", "region_x region_y region_width region_height"),
+        Section("Slanted edge", "window samples", shown_when=("method", ("slanted_edge",))),
         Section(
             "Extent of the edge",
-            ("clip_left_px", "clip_right_px"),
+            "clip_left_px clip_right_px",
             shown_when=("method", ("row_average",)),
         ),
-        Section("Curve", ("axis",)),
+        Section("Curve", "axis"),
     )
 
     def run(self, image: Image, here: NodeContext) -> MeasuredOutputs:

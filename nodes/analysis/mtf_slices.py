@@ -47,9 +47,9 @@ class MtfSlices(Module, key="mtf_slices", title="MTF Slices", group="Analysis"):
     stages: bool = param(True, "show every stage, not only the total")
 
     panel = (
-        Section("Direction in the frequency plane", ("direction",)),
-        Section("", ("angle_deg",), shown_when=("direction", ("angle",))),
-        Section("Curves", ("stages", "samples")),
+        Section("Direction in the frequency plane", "direction"),
+        Section("", "angle_deg", shown_when=("direction", ("angle",))),
+        Section("Curves", "stages samples"),
     )
 
     def run(self, transfer: Seen, here: NodeContext) -> CurveOutput:

@@ -75,7 +75,7 @@ class Noise3D(Module, key="noise_3d", title="3-D Noise", group="Analysis"):
         "simulate",
     )
 
-    panel = (Section("Measurement", ("frames", "path")),)
+    panel = (Section("Measurement", "frames path"),)
 
     def check(self) -> None:
         if self.frames == 1:

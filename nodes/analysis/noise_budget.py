@@ -339,7 +339,7 @@ class NoiseBudget(Module, key="noise_budget", title="Noise Budget", group="Analy
         "−ln of the MTF for the blur)",
     )
 
-    panel = (Section("Noise and blur", ("noise", "frequency", "show")),)
+    panel = (Section("Noise and blur", "noise frequency show"),)
 
     def run(self, image: Image, here: NodeContext) -> BudgetOutputs:
         node, grid, passed = here.node, image.grid(), lineage.transfer_of(image)

@@ -76,9 +76,9 @@ class SpatialBlur(Module, key="spatial_blur", title="Spatial Blur", group="Analy
     )
 
     panel = (
-        Section("Kernels", ("truncation",)),
-        Section("", ("half_width_px",), shown_when=("truncation", ("half_width",))),
-        Section("", ("error",), shown_when=("truncation", ("error",))),
+        Section("Kernels", "truncation"),
+        Section("", "half_width_px", shown_when=("truncation", ("half_width",))),
+        Section("", "error", shown_when=("truncation", ("error",))),
     )
 
     def run(self, magnitude: Magnitude, phase: Phase, here: NodeContext) -> SpatialOutputs:

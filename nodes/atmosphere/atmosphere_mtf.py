@@ -138,27 +138,27 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
     )
 
     panel = (
-        Section("", ("apply",)),
-        Section("Turbulence", ("turbulence",)),
-        Section("", ("fwhm_mrad",), shown_when=("turbulence", ("gaussian",))),
+        Section("", "apply"),
+        Section("Turbulence", "turbulence"),
+        Section("", "fwhm_mrad", shown_when=("turbulence", ("gaussian",))),
         Section(
             "",
-            ("fried_r0_m", "r0_wavelength_um", "cn2"),
+            "fried_r0_m r0_wavelength_um cn2",
             shown_when=("turbulence", ("long_exposure", "short_exposure")),
         ),
-        Section("", ("aperture_mm", "alpha"), shown_when=("turbulence", ("short_exposure",))),
-        Section("Turbidity", ("turbidity",)),
+        Section("", "aperture_mm alpha", shown_when=("turbulence", ("short_exposure",))),
+        Section("Turbidity", "turbidity"),
         Section(
             "",
-            ("turbidity_cutoff_cyc_per_mrad", "particle_radius_um"),
+            "turbidity_cutoff_cyc_per_mrad particle_radius_um",
             shown_when=("turbidity", ("low", "moderate", "high", "custom")),
         ),
         Section(
             "",
-            ("scatter_depth", "absorption_per_km", "scattering_per_km", "scale_height_km"),
+            "scatter_depth absorption_per_km scattering_per_km scale_height_km",
             shown_when=("turbidity", ("custom",)),
         ),
-        Section("Path", ("view", "wavelength_um")),
+        Section("Path", "view wavelength_um"),
     )
 
     def run(self, context: Context, magnitude: Magnitude, here: NodeContext) -> MtfOutputs:

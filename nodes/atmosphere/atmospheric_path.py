@@ -139,14 +139,14 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
 
     preview_lines = 15.0
     panel = (
-        Section("", ("model",)),
-        Section("Air", ("transmission",), shown_when=("model", ("transmission",))),
-        Section("", ("path",), shown_when=("model", ("transmission", "modtran"))),
-        Section("", ("extinction_per_km",), shown_when=("model", ("extinction_per_km",))),
-        Section("", ("visibility_km", "angstrom_q"), shown_when=("model", ("visibility_km",))),
-        Section("", ("haze", "altitude_m"), shown_when=("model", ("modtran_tables",))),
-        Section("Path", ("range_m", "air_K")),
-        Section("Band", ("source_K",)),
+        Section("", "model"),
+        Section("Air", "transmission", shown_when=("model", ("transmission",))),
+        Section("", "path", shown_when=("model", ("transmission", "modtran"))),
+        Section("", "extinction_per_km", shown_when=("model", ("extinction_per_km",))),
+        Section("", "visibility_km angstrom_q", shown_when=("model", ("visibility_km",))),
+        Section("", "haze altitude_m", shown_when=("model", ("modtran_tables",))),
+        Section("Path", "range_m air_K"),
+        Section("Band", "source_K"),
     )
 
     def check(self) -> None:

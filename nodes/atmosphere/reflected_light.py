@@ -108,10 +108,10 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
     )
 
     panel = (
-        Section("Sun", ("sun", "solar_irradiance", "path", "sun_elevation_deg", "optical_depth")),
-        Section("Sky", ("sky",)),
-        Section("Illuminance", ("illuminance_lux",)),
-        Section("Band", ("cut_on_um", "cut_off_um", "bands")),
+        Section("Sun", "sun solar_irradiance path sun_elevation_deg optical_depth"),
+        Section("Sky", "sky"),
+        Section("Illuminance", "illuminance_lux"),
+        Section("Band", "cut_on_um cut_off_um bands"),
     )
 
     def run(self, image: Image, here: NodeContext) -> PictureTable:

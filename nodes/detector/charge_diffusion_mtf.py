@@ -65,10 +65,10 @@ class ChargeDiffusionMTF(
     cut_off_um: CutOff = None
 
     panel = (
-        Section("", ("apply",)),
-        Section("Detector", ("depletion_um", "diffusion_length_um", "side")),
-        Section("", ("thickness_um",), shown_when=("side", ("back",))),
-        Section("Absorption", ("absorption_per_um", "cut_on_um", "cut_off_um")),
+        Section("", "apply"),
+        Section("Detector", "depletion_um diffusion_length_um side"),
+        Section("", "thickness_um", shown_when=("side", ("back",))),
+        Section("Absorption", "absorption_per_um cut_on_um cut_off_um"),
     )
 
     def run(self, context: Context, magnitude: Magnitude, here: NodeContext) -> MtfOutputs:

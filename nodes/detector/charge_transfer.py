@@ -29,8 +29,8 @@ class ChargeTransfer(Module):
     )
 
     panel = (
-        Section("", ("apply",)),
-        Section("Charge transfer", ("detectors_per_line", "efficiency", "model", "nyquist")),
+        Section("", "apply"),
+        Section("Charge transfer", "detectors_per_line efficiency model nyquist"),
     )
 
     def neutral(self) -> bool:

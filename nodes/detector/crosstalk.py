@@ -38,7 +38,7 @@ class Crosstalk(NyquistReadouts, key="crosstalk", title="Crosstalk", group="Dete
     )
     apply: Apply = "multiply"
 
-    panel = (Section("Crosstalk", ("kernel",)), Section("Output", ("apply",)))
+    panel = (Section("Crosstalk", "kernel"), Section("Output", "apply"))
 
     def check(self) -> None:
         crosstalk_kernel(self.kernel)

@@ -36,9 +36,9 @@ class DetectorMTF(MtfModule, key="detector_mtf", title="Detector MTF", group="De
     fill_y: float | None = param(None, "vertical fill factor; empty: from Init & Trans", (0, 1))
 
     panel = (
-        Section("", ("apply",)),
-        Section("Detector", ("detector_x_um", "detector_y_um", "focal_length_mm")),
-        Section("Fill factors", ("fill_x", "fill_y")),
+        Section("", "apply"),
+        Section("Detector", "detector_x_um detector_y_um focal_length_mm"),
+        Section("Fill factors", "fill_x fill_y"),
     )
 
     def run(self, context: Context, magnitude: Magnitude, here: NodeContext) -> MtfOutputs:

@@ -191,30 +191,26 @@ class FocalPlanePanel(SeededModule):
     )
 
     panel = (
-        Section("Exposure", ("integration_time_s", "tdi_stages", "frames_averaged"), page="Light"),
-        Section("Quantum efficiency", (
-            "quantum_efficiency", "quantum_efficiency_percent", "responsivity_A_per_W",
-            "responsivity_um", "response", "cut_on_um", "cut_off_um"), page="Light"),
-        Section("Radiance to photons", ("photon_weighting", "source_K"), page="Light"),
-        Section("SNR", ("reference_radiance",), page="Light"),
-        Section("Optics", ("optics_transmission", "optics_K"), page="Thermal"),
-        Section("Housing", ("cold_shield_efficiency", "housing_K"), page="Thermal"),
-        Section("Dark current", (
-            "dark_current_e_per_s", "dark_current_A_per_cm2", "dark_reference_K",
-            "dark_doubling_K", "rule_07", "detector_K", "material_cutoff_um"), page="Thermal"),
-        Section("Charge gain", ("charge_gain",), page="Gain"),
-        Section("", ("charge_gain_factor", "excess_noise_factor"), page="Gain",
+        Section("Exposure", "integration_time_s tdi_stages frames_averaged", page="Light"),
+        Section("Quantum efficiency",
+                "quantum_efficiency quantum_efficiency_percent responsivity_A_per_W "
+                "responsivity_um response cut_on_um cut_off_um", page="Light"),
+        Section("Radiance to photons", "photon_weighting source_K", page="Light"),
+        Section("SNR", "reference_radiance", page="Light"),
+        Section("Optics", "optics_transmission optics_K", page="Thermal"),
+        Section("Housing", "cold_shield_efficiency housing_K", page="Thermal"),
+        Section("Dark current",
+                "dark_current_e_per_s dark_current_A_per_cm2 dark_reference_K "
+                "dark_doubling_K rule_07 detector_K material_cutoff_um", page="Thermal"),
+        Section("Charge gain", "charge_gain", page="Gain"),
+        Section("", "charge_gain_factor excess_noise_factor", page="Gain",
                 shown_when=("charge_gain", ("photoconductive", "em_register", "avalanche"))),
-        Section("", ("register_stages",), page="Gain",
-                shown_when=("charge_gain", ("em_register",))),
-        Section("", ("ionization_ratio",), page="Gain", shown_when=("charge_gain", ("avalanche",))),
-        Section("Binning", ("binning", "binning_x", "binning_y"), page="Gain"),
-        Section("Well", ("full_well_e", "register_well_e", "nonlinearity_percent"),
-                page="Read-out"),
-        Section("Noise", ("read_noise_e", "prnu_percent", "dsnu_e", "bad_pixel_percent"),
-                page="Read-out"),
-        Section("Numbers", ("bits", "gain_e_per_dn", "gain_dB", "offset_dn", "units"),
-                page="Read-out"),
+        Section("", "register_stages", page="Gain", shown_when=("charge_gain", ("em_register",))),
+        Section("", "ionization_ratio", page="Gain", shown_when=("charge_gain", ("avalanche",))),
+        Section("Binning", "binning binning_x binning_y", page="Gain"),
+        Section("Well", "full_well_e register_well_e nonlinearity_percent", page="Read-out"),
+        Section("Noise", "read_noise_e prnu_percent dsnu_e bad_pixel_percent", page="Read-out"),
+        Section("Numbers", "bits gain_e_per_dn gain_dB offset_dn units", page="Read-out"),
         *SEED_SECTIONS,
     )  # fmt: skip
 

@@ -145,23 +145,16 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
     panel = (
         Section(
             "Data sheet",
-            (
-                "netd_mK", "reference_f_number", "reference_transmission", "reference_K",
-                "reference_integration_time_s",
-            ),
+            "netd_mK reference_f_number reference_transmission reference_K "
+            "reference_integration_time_s",
         ),
-        Section(
-            "Camera",
-            (
-                "f_number", "optics_transmission", "integration_time_s", "cut_on_um", "cut_off_um",
-            ),
-        ),
-        Section("Heat", ("time_constant_s", "frame_rate_Hz")),
-        Section("1/f noise", ("corner_Hz", "longest_period_s")),
-        Section("Non-uniformity", ("response_percent", "offset_mK")),
-        Section("Read-out", ("filter_frames", "bits", "range_low_K", "range_high_K")),
+        Section("Camera", "f_number optics_transmission integration_time_s cut_on_um cut_off_um"),
+        Section("Heat", "time_constant_s frame_rate_Hz"),
+        Section("1/f noise", "corner_Hz longest_period_s"),
+        Section("Non-uniformity", "response_percent offset_mK"),
+        Section("Read-out", "filter_frames bits range_low_K range_high_K"),
         *SEED_SECTIONS,
-    )  # fmt: skip
+    )
 
     def check(self) -> None:
         own, other = self.integration_time_s, self.reference_integration_time_s

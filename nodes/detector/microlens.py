@@ -63,10 +63,10 @@ class MicrolensAngle(LightOverField, key="microlens", title="Microlens Angle", g
     )
 
     panel = (
-        Section("Chief ray at the corner", ("chief_ray_deg", "matched_deg")),
-        Section("Response", ("response",)),
-        Section("", ("half_response_deg",), shown_when=("response", ("half_angle",))),
-        Section("", ("path",), shown_when=("response", ("file",))),
+        Section("Chief ray at the corner", "chief_ray_deg matched_deg"),
+        Section("Response", "response"),
+        Section("", "half_response_deg", shown_when=("response", ("half_angle",))),
+        Section("", "path", shown_when=("response", ("file",))),
     )
 
     def check(self) -> None:

@@ -83,14 +83,14 @@ class Nuc(SeededModule, key="nuc", title="Non-Uniformity Correction", group="Det
     )
 
     panel = (
-        Section("", ("method",)),
+        Section("", "method"),
         Section(
             "References",
-            ("low_K", "high_K", "reference_frames"),
+            "low_K high_K reference_frames",
             shown_when=("method", ("one_point", "two_point")),
         ),
         Section(
-            "Since the correction", ("drift_K",), shown_when=("method", ("one_point", "two_point"))
+            "Since the correction", "drift_K", shown_when=("method", ("one_point", "two_point"))
         ),
         *SEED_SECTIONS,
     )

@@ -65,8 +65,8 @@ class ReadWindow(Module, key="read_window", title="Read-out Window", group="Dete
     )
 
     panel = (
-        Section("Window", ("columns", "rows", "left", "top")),
-        Section("Frame rate", ("row_time_us", "overhead_us")),
+        Section("Window", "columns rows left top"),
+        Section("Frame rate", "row_time_us overhead_us"),
     )
 
     def run(self, image: Image, here: NodeContext) -> ImageOutput:

@@ -84,14 +84,10 @@ class SpectralResponse(
     source_K: WeightingSource = None
 
     panel = (
-        Section("", ("shape",)),
-        Section("File", ("path",), shown_when=("shape", ("file",))),
-        Section(
-            "Form",
-            ("centre_um", "width_um", "peak"),
-            shown_when=("shape", ("rectangle", "gaussian")),
-        ),
-        Section("Band", ("source_K",)),
+        Section("", "shape"),
+        Section("File", "path", shown_when=("shape", ("file",))),
+        Section("Form", "centre_um width_um peak", shown_when=("shape", ("rectangle", "gaussian"))),
+        Section("Band", "source_K"),
     )
 
     def check(self) -> None:

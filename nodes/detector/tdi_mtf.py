@@ -73,9 +73,9 @@ class TdiMTF(MtfModule, key="tdi_mtf", title="TDI MTF", group="Detector"):
     focal_length_mm: float | None = param(None, "effective focal length", low=0, slider=(10, 10000))
 
     panel = (
-        Section("", ("apply",)),
-        Section("Clock", ("stages", "phases", "velocity_mismatch_percent", "line_rate_Hz")),
-        Section("Stages", ("direction", "yaw_deg", "detector_um", "focal_length_mm")),
+        Section("", "apply"),
+        Section("Clock", "stages phases velocity_mismatch_percent line_rate_Hz"),
+        Section("Stages", "direction yaw_deg detector_um focal_length_mm"),
     )
 
     def run(self, context: Context, magnitude: Magnitude, here: NodeContext) -> MtfOutputs:

@@ -185,44 +185,38 @@ class ElectronicsNoise(
 
     preview_lines = 15.5
     panel = (
-        Section("Band", ("cut_on_um", "cut_off_um"), page="Detector"),
+        Section("Band", "cut_on_um cut_off_um", page="Detector"),
         Section(
             "Wavelength region and material",
-            ("region", "material", "d_star"),
+            "region material d_star",
             page="Detector",
             offer=Offer("material", "region", _MATERIALS),
         ),
-        Section("Optics", ("optics_transmission", "filter_transmission"), page="Detector"),
+        Section("Optics", "optics_transmission filter_transmission", page="Detector"),
         Section(
             "Scan and bandwidth",
-            ("scan_mirror_rate_Hz", "time_constant_s", "bandwidth_Hz"),
+            "scan_mirror_rate_Hz time_constant_s bandwidth_Hz",
             page="Detector",
         ),
-        Section("Background", ("background_K",), page="Detector"),
-        Section("Gain and bias", ("gain_percent", "bias_percent", "gain_model"), page="Gain"),
-        Section("Noise between detectors", ("noise_variability_percent",), page="Gain"),
-        Section("Pre-amplifier", ("use_mtf",), page="Amplifier"),
-        Section("Amplifier noise", ("amplifier_snr", "snr_reference"), page="Amplifier"),
-        Section("Post filter", ("post_filter",), page="Amplifier"),
+        Section("Background", "background_K", page="Detector"),
+        Section("Gain and bias", "gain_percent bias_percent gain_model", page="Gain"),
+        Section("Noise between detectors", "noise_variability_percent", page="Gain"),
+        Section("Pre-amplifier", "use_mtf", page="Amplifier"),
+        Section("Amplifier noise", "amplifier_snr snr_reference", page="Amplifier"),
+        Section("Post filter", "post_filter", page="Amplifier"),
         Section(
             "",
-            ("post_corner_Hz",),
+            "post_corner_Hz",
             page="Amplifier",
             shown_when=("post_filter", ("lowpass", "highpass", "boost")),
         ),
         Section(
-            "",
-            ("post_poles",),
-            page="Amplifier",
-            shown_when=("post_filter", ("lowpass", "highpass")),
+            "", "post_poles", page="Amplifier", shown_when=("post_filter", ("lowpass", "highpass"))
         ),
-        Section("", ("post_gain",), page="Amplifier", shown_when=("post_filter", ("boost",))),
-        Section("Quantize the picture", ("bits",), page="Quantizer"),
+        Section("", "post_gain", page="Amplifier", shown_when=("post_filter", ("boost",))),
+        Section("Quantize the picture", "bits", page="Quantizer"),
         Section(
-            "Range",
-            ("range_low", "range_high"),
-            page="Quantizer",
-            shown_when=("bits", _CONVERTER_BITS),
+            "Range", "range_low range_high", page="Quantizer", shown_when=("bits", _CONVERTER_BITS)
         ),
         *SEED_SECTIONS,
     )

@@ -76,9 +76,9 @@ class Noise3DSource(
     longest_period_s: LongestPeriod = 60.0
 
     panel = (
-        Section("Temporal", ("sigma_tvh", "sigma_tv", "sigma_th", "sigma_t")),
-        Section("Fixed", ("sigma_vh", "sigma_v", "sigma_h")),
-        Section("1/f", ("corner_Hz", "frame_rate_Hz", "longest_period_s")),
+        Section("Temporal", "sigma_tvh sigma_tv sigma_th sigma_t"),
+        Section("Fixed", "sigma_vh sigma_v sigma_h"),
+        Section("1/f", "corner_Hz frame_rate_Hz longest_period_s"),
         *SEED_SECTIONS,
     )
 

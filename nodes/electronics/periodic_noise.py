@@ -59,10 +59,8 @@ class PeriodicNoise(
 
     preview_lines = 9.5
     panel = (
-        Section("Sinusoid", ("amplitude", "xi", "eta", "phase_deg")),
-        Section(
-            "Modulation", ("modulation", "modulation_xi", "modulation_eta", "modulation_phase_deg")
-        ),
+        Section("Sinusoid", "amplitude xi eta phase_deg"),
+        Section("Modulation", "modulation modulation_xi modulation_eta modulation_phase_deg"),
     )
 
     def run(self, image: Image, here: NodeContext) -> NoiseOutputs:

@@ -74,9 +74,9 @@ class PoissonNoise(
     )
 
     panel = (
-        Section("", ("mode",)),
-        Section("", ("width_px", "percent"), shown_when=("mode", ("published",))),
-        Section("", ("photons_per_unit",), shown_when=("mode", ("photon",))),
+        Section("", "mode"),
+        Section("", "width_px percent", shown_when=("mode", ("published",))),
+        Section("", "photons_per_unit", shown_when=("mode", ("photon",))),
         *SEED_SECTIONS,
     )
 

@@ -81,9 +81,9 @@ class ExamineImage(
     bins: int = param(256, "number of bins of the histogram", (1, 65536))
 
     panel = (
-        Section("", ("display",)),
-        Section("Pixel probe", ("probe_x", "probe_y")),
-        Section("Histogram", ("bins",)),
+        Section("", "display"),
+        Section("Pixel probe", "probe_x probe_y"),
+        Section("Histogram", "bins"),
     )
 
     def check(self) -> None:

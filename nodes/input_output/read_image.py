@@ -97,11 +97,11 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
     )
 
     panel = (
-        Section("File", ("path", "bands")),
-        Section("", ("band",), shown_when=("bands", ("one",))),
-        Section("Samples", ("scale", "offset", "unit", "missing")),
-        Section("Field of view", ("fov_x_deg", "fov_y_deg")),
-        Section("Band", ("cut_on_um", "cut_off_um")),
+        Section("File", "path bands"),
+        Section("", "band", shown_when=("bands", ("one",))),
+        Section("Samples", "scale offset unit missing"),
+        Section("Field of view", "fov_x_deg fov_y_deg"),
+        Section("Band", "cut_on_um cut_off_um"),
     )
 
     def check(self) -> None:

@@ -112,21 +112,21 @@ class TestScene(PicturePreview, key="test_scene", title="Test Scene", group="Inp
     )
 
     panel = (
-        Section("Scene", ("kind", "width", "height")),
-        Section("Samples", ("quantity",)),
+        Section("Scene", "kind width height"),
+        Section("Samples", "quantity"),
         Section(
             "Reflectances of a target",
-            ("background_reflectance", "target_reflectance"),
+            "background_reflectance target_reflectance",
             shown_when=("quantity", ("reflectance",)),
         ),
-        Section("Temperatures", ("temperature_K", "delta_K")),
-        Section("Pattern", ("angle_deg",), shown_when=("kind", ("slanted_edge", "sine"))),
-        Section("", ("frequency",), shown_when=("kind", ("four_bar", "siemens_star", "sine"))),
-        Section("Field of view", ("fov_x_deg", "fov_y_deg")),
-        Section("Band", ("cut_on_um", "cut_off_um", "bands")),
+        Section("Temperatures", "temperature_K delta_K"),
+        Section("Pattern", "angle_deg", shown_when=("kind", ("slanted_edge", "sine"))),
+        Section("", "frequency", shown_when=("kind", ("four_bar", "siemens_star", "sine"))),
+        Section("Field of view", "fov_x_deg fov_y_deg"),
+        Section("Band", "cut_on_um cut_off_um bands"),
         Section(
             "Spectral bands",
-            ("emissivity", "sun_elevation_deg"),
+            "emissivity sun_elevation_deg",
             shown_when=("kind", ("dormitory", "airfield")),
         ),
     )

@@ -79,8 +79,8 @@ class WriteImage(
     )
 
     panel = (
-        Section("File", ("path", "format", "dtype")),
-        Section("Range of integer types", ("range_low", "range_high")),
+        Section("File", "path format dtype"),
+        Section("Range of integer types", "range_low range_high"),
     )
 
     def check(self) -> None:

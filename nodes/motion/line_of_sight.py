@@ -81,9 +81,9 @@ class LineOfSight(
     apply: Apply = "multiply"
 
     panel = (
-        Section("", ("apply",)),
-        Section("Motion", ("rms_x_mrad", "rms_y_mrad", "corner_Hz", "psd_path")),
-        Section("Time", ("integration_time_s", "frame_rate_Hz")),
+        Section("", "apply"),
+        Section("Motion", "rms_x_mrad rms_y_mrad corner_Hz psd_path"),
+        Section("Time", "integration_time_s frame_rate_Hz"),
         *SEED_SECTIONS,
     )
 

@@ -45,10 +45,10 @@ class RelativeMotionMTF(
     )
 
     panel = (
-        Section("", ("apply",)),
-        Section("Image", ("image_velocity_x", "image_velocity_y")),
-        Section("Platform", ("platform_velocity_x", "platform_velocity_y")),
-        Section("Smear", ("integration_time_s", "range_m", "model")),
+        Section("", "apply"),
+        Section("Image", "image_velocity_x image_velocity_y"),
+        Section("Platform", "platform_velocity_x platform_velocity_y"),
+        Section("Smear", "integration_time_s range_m model"),
     )
 
     def run(self, context: Context, magnitude: Magnitude, here: NodeContext) -> MtfOutputs:

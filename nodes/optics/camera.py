@@ -145,12 +145,12 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
     )
 
     panel = (
-        Section("Pixels", ("pixels_x", "pixels_y", "pitch_um", "pitch_y_um")),
-        Section("Fill factors", ("fill_x", "fill_y")),
-        Section("Optics", ("focal_length_mm", "f_number", "aperture_mm", "obscuration_ratio")),
-        Section("Light", ("t_number", "irradiance")),
-        Section("Scene", ("range_m",)),
-        Section("Orbit", ("altitude_km", "look_angle_deg", "look_direction")),
+        Section("Pixels", "pixels_x pixels_y pitch_um pitch_y_um"),
+        Section("Fill factors", "fill_x fill_y"),
+        Section("Optics", "focal_length_mm f_number aperture_mm obscuration_ratio"),
+        Section("Light", "t_number irradiance"),
+        Section("Scene", "range_m"),
+        Section("Orbit", "altitude_km look_angle_deg look_direction"),
     )
 
     def run(self, image: Image, here: NodeContext) -> CameraOutputs:

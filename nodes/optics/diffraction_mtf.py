@@ -135,15 +135,15 @@ class DiffractionMTF(
     apply: Apply = "multiply"
 
     panel = (
-        Section("Aperture", ("aperture_mm", "obscuration_ratio")),
-        Section("Wavefront", ("defocus_waves", "rms_wavefront_waves")),
-        Section("Band", ("cut_on_um", "cut_off_um")),
-        Section("Weights", ("weighting",)),
-        Section("", ("source_K",), shown_when=("weighting", ("photons", "energy"))),
-        Section("", ("response",)),
-        Section("Wavelengths", ("wavelengths",)),
-        Section("", ("tolerance",), shown_when=("wavelengths", ("auto",))),
-        Section("Output", ("apply",)),
+        Section("Aperture", "aperture_mm obscuration_ratio"),
+        Section("Wavefront", "defocus_waves rms_wavefront_waves"),
+        Section("Band", "cut_on_um cut_off_um"),
+        Section("Weights", "weighting"),
+        Section("", "source_K", shown_when=("weighting", ("photons", "energy"))),
+        Section("", "response"),
+        Section("Wavelengths", "wavelengths"),
+        Section("", "tolerance", shown_when=("wavelengths", ("auto",))),
+        Section("Output", "apply"),
     )
 
     def run(

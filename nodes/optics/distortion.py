@@ -84,11 +84,11 @@ class Distortion(Module, key="distortion", title="Distortion", group="Optics"):
     height: NewHeight = None
 
     panel = (
-        Section("Lens", ("model", "k1", "k2", "k3")),
-        Section("", ("k4",), shown_when=("model", ("fisheye",))),
-        Section("", ("p1", "p2"), shown_when=("model", ("brown",))),
-        Section("Axis", ("centre_x_mrad", "centre_y_mrad")),
-        Section("Size", ("width", "height")),
+        Section("Lens", "model k1 k2 k3"),
+        Section("", "k4", shown_when=("model", ("fisheye",))),
+        Section("", "p1 p2", shown_when=("model", ("brown",))),
+        Section("Axis", "centre_x_mrad centre_y_mrad"),
+        Section("Size", "width height"),
     )
 
     def run(self, image: Image, here: NodeContext) -> ImageOutput:

@@ -115,17 +115,17 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
 
     preview_lines = 11.0
     panel = (
-        Section("Aperture", ("shape", "radius")),
-        Section("", ("obscuration_radius",), shown_when=("shape", OBSCURED_SHAPES)),
-        Section("", ("slit_width",), shown_when=("shape", BARRED_SHAPES)),
-        Section("", ("vanes", "vane_width"), shown_when=("shape", ("spider",))),
+        Section("Aperture", "shape radius"),
+        Section("", "obscuration_radius", shown_when=("shape", OBSCURED_SHAPES)),
+        Section("", "slit_width", shown_when=("shape", BARRED_SHAPES)),
+        Section("", "vanes vane_width", shown_when=("shape", ("spider",))),
         Section(
             "",
-            ("path", "wavefront_path", "wavefront_unit", "map_wavelength_um"),
+            "path wavefront_path wavefront_unit map_wavelength_um",
             shown_when=("shape", ("file",)),
         ),
-        Section("Pupil array", ("size_x", "size_y"), shown_when=("shape", SHAPES)),
-        Section("Wavefront error", ("defocus_waves", "zernike_waves")),
+        Section("Pupil array", "size_x size_y", shown_when=("shape", SHAPES)),
+        Section("Wavefront error", "defocus_waves zernike_waves"),
     )
 
     def run(self, here: NodeContext) -> PupilOutput:

@@ -330,13 +330,13 @@ class ExitPupilMTF(NyquistReadouts, key="exit_pupil_mtf", title="Exit Pupil MTF"
     apply: Apply = "multiply"
 
     panel = (
-        Section("Wavelengths", ("cut_on_um", "cut_off_um", "wavelengths")),
-        Section("Weights", ("weighting",)),
-        Section("", ("source_K",), shown_when=("weighting", ("photons", "energy"))),
-        Section("", ("response",)),
-        Section("Whole pupil array", ("size_x_cm", "size_y_cm")),
-        Section("Autocorrelation", ("interpolation", "method")),
-        Section("Output", ("apply",)),
+        Section("Wavelengths", "cut_on_um cut_off_um wavelengths"),
+        Section("Weights", "weighting"),
+        Section("", "source_K", shown_when=("weighting", ("photons", "energy"))),
+        Section("", "response"),
+        Section("Whole pupil array", "size_x_cm size_y_cm"),
+        Section("Autocorrelation", "interpolation method"),
+        Section("Output", "apply"),
     )
 
     def run(

@@ -92,13 +92,11 @@ class FieldPSF(Module, key="field_psf", title="Field PSF", group="Optics"):
     tile: int = param(64, "side of a tile", (4, 2048), unit="samples", slider=(16, 256))
 
     panel = (
-        Section("Field", ("kind", "positions")),
-        Section("", ("tangential_mrad", "sagittal_mrad"), shown_when=("kind", ("gaussian",))),
-        Section(
-            "Files", ("path_1", "path_2", "path_3", "path_4"), shown_when=("kind", ("mtf", "psf"))
-        ),
-        Section("", ("sample_pitch_um",), shown_when=("kind", ("psf",))),
-        Section("Tiles", ("tile",)),
+        Section("Field", "kind positions"),
+        Section("", "tangential_mrad sagittal_mrad", shown_when=("kind", ("gaussian",))),
+        Section("Files", "path_1 path_2 path_3 path_4", shown_when=("kind", ("mtf", "psf"))),
+        Section("", "sample_pitch_um", shown_when=("kind", ("psf",))),
+        Section("Tiles", "tile"),
     )
 
     def check(self) -> None:

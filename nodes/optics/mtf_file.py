@@ -110,10 +110,10 @@ class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics")
     apply: Apply = "multiply"
 
     panel = (
-        Section("File", ("path", "field")),
-        Section("Curve", ("frequency_unit", "direction", "normalise")),
-        Section("Focal plane", ("focal_length_mm", "detector_x_um", "detector_y_um")),
-        Section("Output", ("apply",)),
+        Section("File", "path field"),
+        Section("Curve", "frequency_unit direction normalise"),
+        Section("Focal plane", "focal_length_mm detector_x_um detector_y_um"),
+        Section("Output", "apply"),
     )
 
     def run(

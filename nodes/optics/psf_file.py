@@ -80,10 +80,10 @@ class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics")
     apply: Apply = "multiply"
 
     panel = (
-        Section("File", ("path", "band", "background")),
-        Section("Samples", ("sample_pitch", "sample_pitch_y", "pitch_unit", "centroid")),
-        Section("", ("focal_length_mm",), shown_when=("pitch_unit", ("um",))),
-        Section("Output", ("apply",)),
+        Section("File", "path band background"),
+        Section("Samples", "sample_pitch sample_pitch_y pitch_unit centroid"),
+        Section("", "focal_length_mm", shown_when=("pitch_unit", ("um",))),
+        Section("Output", "apply"),
     )
 
     def run(

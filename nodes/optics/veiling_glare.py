@@ -66,9 +66,9 @@ class VeilingGlare(MtfModule, key="veiling_glare", title="Veiling Glare", group=
     surfaces: int = param(1, "number of scattering surfaces", (1, 1000), slider=(1, 30))
 
     panel = (
-        Section("", ("apply", "form")),
-        Section("Stray light", ("share_percent", "length_mrad"), shown_when=("form", ("length",))),
-        Section("", ("b_per_sr", "s", "l_mrad", "surfaces"), shown_when=("form", ("harvey",))),
+        Section("", "apply form"),
+        Section("Stray light", "share_percent length_mrad", shown_when=("form", ("length",))),
+        Section("", "b_per_sr s l_mrad surfaces", shown_when=("form", ("harvey",))),
     )
 
     def run(self, context: Context, magnitude: Magnitude, here: NodeContext) -> MtfOutputs:

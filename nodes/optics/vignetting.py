@@ -90,11 +90,11 @@ class Vignetting(LightOverField, key="vignetting", title="Vignetting", group="Op
     )
 
     panel = (
-        Section("", ("natural", "measured")),
-        Section("Curve", ("against",)),
-        Section("", ("path",), shown_when=("measured", ("file",))),
-        Section("", ("coefficients",), shown_when=("measured", ("polynomial",))),
-        Section("", ("focal_length_mm",), shown_when=("against", ("height_mm",))),
+        Section("", "natural measured"),
+        Section("Curve", "against"),
+        Section("", "path", shown_when=("measured", ("file",))),
+        Section("", "coefficients", shown_when=("measured", ("polynomial",))),
+        Section("", "focal_length_mm", shown_when=("against", ("height_mm",))),
     )
 
     def check(self) -> None:

@@ -121,8 +121,8 @@ def unit_deviates(work: Work, *, stream: Stream, shape: tuple[int, int]) -> Arra
 
 
 SEED_SECTIONS = (
-    Section("Seed", ("seed_mode",)),
-    Section("", ("seed",), shown_when=("seed_mode", ("typed",))),
+    Section("Seed", "seed_mode"),
+    Section("", "seed", shown_when=("seed_mode", ("typed",))),
 )
 
 

@@ -92,20 +92,12 @@ class InitTrans(
     panel = (
         Section(
             "Detector and optics",
-            (
-                "detector_x_um",
-                "detector_y_um",
-                "focal_length_mm",
-                "f_number",
-                "range_m",
-                "fill_x",
-                "fill_y",
-                "obscuration_ratio",
-            ),
+            "detector_x_um detector_y_um focal_length_mm f_number range_m fill_x "
+            "fill_y obscuration_ratio",
         ),
-        Section("Field of view", ("fov_x_deg", "fov_y_deg")),
-        Section("Collection", ("platform", "velocity_m_per_s", "scan_velocity_mrad_per_s")),
-        Section("Fourier transform", ("edges",)),
+        Section("Field of view", "fov_x_deg fov_y_deg"),
+        Section("Collection", "platform velocity_m_per_s scan_velocity_mrad_per_s"),
+        Section("Fourier transform", "edges"),
     )
 
     def run(self, image: Image) -> InitOutputs:

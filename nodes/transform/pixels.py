@@ -70,8 +70,8 @@ class SamplePixels(Module, key="sample_pixels", title="Sample Pixels", group="Tr
     )
 
     panel = (
-        Section("Samples per pixel", ("factor_x", "factor_y")),
-        Section("Sampling phase", ("offset", "offset_y")),
+        Section("Samples per pixel", "factor_x factor_y"),
+        Section("Sampling phase", "offset offset_y"),
     )
 
     def run(self, image: Image, here: NodeContext) -> ImageOutput:

@@ -116,8 +116,8 @@ class Radiometry(Module):
     cut_off_um: CutOff = None
 
     panel = (
-        Section("Surfaces", ("emissivity", "surroundings_K")),
-        Section("Band", ("cut_on_um", "cut_off_um")),
+        Section("Surfaces", "emissivity surroundings_K"),
+        Section("Band", "cut_on_um cut_off_um"),
     )
 
     def surface(self, image: Image) -> Surface:
