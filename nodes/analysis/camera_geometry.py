@@ -42,7 +42,6 @@ from nodes.shared.module_ports import TableFigures
 Pair = tuple[float, float]
 FINER = 4  # times as many strips, to estimate the error
 CURVE_POINTS = 129
-_PREVIEW_POINTS = 65
 _OF_CAMERA = ("kind", "altitude_m", "roll_deg", "pitch_deg", "yaw_deg", "offset_x_m", "offset_y_m")
 
 
@@ -286,15 +285,13 @@ class CameraGeometry(Module, key="camera_geometry", title="Camera Geometry", gro
 
     def preview(self, planned: PlannedNode, _work: Work, _here: NodeContext) -> Preview:
         camera = self.camera(planned.sound().inputs["image"])
-        u, v = np.linspace(0.5, camera.columns - 0.5, _PREVIEW_POINTS), 0.5 * camera.rows
-        samples = [ground_sample(camera=camera, u=place, v=v) for place in u.tolist()]
-        sizes = np.array(samples).T
-        angles = np.degrees(view_angles(camera=camera, u=u))
-        title = "angle from the optical axis" if camera.kind == "framing" else "view angle"
+        curve = ground_curve(_work, camera=camera)
+        across, along, *_ = curve.series
+        angles, sizes = across.x, np.array([across.y, along.y])
         half = max(float(angles[-1] - angles[0]) / 2, 1e-6)
         middle = float(angles[-1] + angles[0]) / 2
         drawn = Plot(
-            Axis(middle - half, middle + half, f"{title} (deg)"),
+            Axis(middle - half, middle + half, curve.x_label),
             Axis(0.0, 1.12 * float(sizes.max()), "m"),
             curves=(
                 DrawnCurve(angles, sizes[0], name="across the track"),
@@ -303,8 +300,8 @@ class CameraGeometry(Module, key="camera_geometry", title="Camera Geometry", gro
         )
         return Preview(
             f"field {brief(field_deg(camera=camera))}°, ground sample "
-            f"{pair(*samples[_PREVIEW_POINTS // 2])} m at the centre, "
-            f"{pair(*max(samples[0], samples[-1]))} m at the line's end",
+            f"{pair(*_sample(camera, 0.5))} m at the centre, "
+            f"{pair(*max(sizes[:, 0], sizes[:, -1], key=tuple))} m at the line's end",
             (drawn,),
         )
 
