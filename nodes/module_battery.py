@@ -54,18 +54,9 @@ def faults_of(
 ) -> list[str]:
     """What does not hold of a module, each in one line.
 
-    Parameters
-    ----------
-    module : type
-        The module's class.
-    examples : sequence of mapping
-        Parameters with which it runs, as in a network's file; the defaults count as one of them.
-    scene : mapping
-        Parameters of the *Test Scene* that it is given, such as its band.
-    passive : bool
-        Whether its transfer function is 1 at zero and nowhere above 1.
-    folder : Path, optional
-        Where files that the examples name lie; one that is empty, if not given.
+    The `examples` are parameters with which it runs, as in a network's file; `scene` parameters of
+    the *Test Scene* that it is given. A `passive` transfer function is 1 at zero and nowhere above
+    1. Files that the examples name lie in `folder`.
     """
     try:
         declared = declaration(module)

@@ -143,12 +143,11 @@ def samples_along(
 class ImageTransfer:
     """The linear stages of a picture, in order, each under a name of its own.
 
-    `source` makes the scene's samples, or is the result of a step whose transfer function is not
-    known; `area_means`: its samples are known to be means over their area, which blurs too. `gain`
-    is what a uniform scene is multiplied by, None where that is left to chance (a gain error as
-    printed); `levels` are recipes of the `LevelChange` of each stage whose gain depends on the
-    picture, and `gain_before` the gain up to the first of these. `reflectance` is that of a sample
-    of 1 of the source, where the scene is lit surfaces.
+    `source` makes the scene's samples, perhaps means over their area, or is a step whose transfer
+    function is not known. `gain` is what a uniform scene is multiplied by, None where that is left
+    to chance; `levels` are recipes of the `LevelChange` of each stage whose gain depends on the
+    picture, `gain_before` the gain up to the first. `reflectance` is that of a source's sample of
+    1, if lit.
     """
 
     stages: Stages
@@ -175,9 +174,8 @@ class ImageTransfer:
 def transfer_of(image: Image, *, of_camera: bool = False) -> ImageTransfer:
     """Every transfer function between the scene and the picture.
 
-    Interpolation counts with the mean over its samples; what folds back from beyond the Nyquist
-    frequency is no part of it. `of_camera`: gain and levels count from what reaches the camera on,
-    behind the air, as its data sheet has them; the transfer functions are all the same.
+    What interpolation folds back from beyond the Nyquist frequency is no part of it. `of_camera`:
+    gain and levels count from behind the air on, as a data sheet has them.
     """
     grid = image.grid()
     factors: list[Factor] = []
@@ -229,10 +227,9 @@ class NoiseTerm:
 class ImageNoise:
     """Every noise of a picture, in the order in which they arise.
 
-    `mean` is that of the picture without any noise: an error of gain or bias, or a few samples'
-    deviates, do not move it; where the gain scales the whole picture as printed, of the picture
-    itself. What lies before the nodes of `unknown` is not counted. `spectrum` is the power of all
-    temporal noise in equal cells up to Nyquist's frequencies, (along, across).
+    `mean` is that of the picture without noise. What lies before the nodes of `unknown` is not
+    counted. `spectrum` is the power of all temporal noise in equal cells up to Nyquist's
+    frequencies, (along, across).
     """
 
     terms: tuple[NoiseTerm, ...]

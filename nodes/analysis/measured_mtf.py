@@ -215,9 +215,7 @@ Behind = tuple[Stages, Grid, Grid, bool]
 def chain_behind(image: Image) -> Behind | None:
     """What `expected` needs of a picture; None where not all of its way from the source is known.
 
-    A test scene's samples are means over their area, which blurs too. The scene in a file may be
-    blurred by anything: its own MTF is unknown, and of a picture straight from a file no MTF is
-    expected.
+    A scene in a file may be blurred by anything: of one straight from a file nothing is expected.
     """
     try:
         transfer = transfer_of(image)

@@ -276,9 +276,8 @@ def figures(
 ) -> TableData:
     """All figures at the mean of the picture, in the order of the panel.
 
-    Those at the reference radiance, W/m²/sr/µm, are of a picture with that mean. Signal, well fill
-    and dark current are of the electrons collected. What the nonlinearity bends is bent: shot
-    noise, fixed pattern and responsivity are those behind it.
+    Signal, well fill and dark current are of the electrons collected; noise, pattern and
+    responsivity are those behind the nonlinearity.
     """
     total, frames = levels.total_e, reading.frames
     slope = _bent_slope(total, reading)

@@ -145,9 +145,8 @@ def read_matrix_band(path: Path, band: int = 0, *, empty: Empty = np.empty) -> p
 def write_matrix(path: str | os.PathLike[str], array: ArrayLike) -> None:
     """Write a matrix, or a single row, as plain numbers, which MathCad's READPRN reads.
 
-    Each number is the shortest text that reads back to the same bits in the array's precision.
-    Commas separate them where the path ends in ``.csv``, else blanks. `DataError` where the array
-    is not real, not 2-D, empty or not finite.
+    Each is the shortest text that reads back to the same bits, parted by commas in ``.csv``, else
+    by blanks. `DataError` where the array is not real, not 2-D, empty or not finite.
     """
     samples = np.atleast_2d(_real(array))
     if samples.ndim != 2 or samples.size == 0:
@@ -170,8 +169,7 @@ def write_curves(
 ) -> None:
     """Write curves as CSV: a line of names, then a line for each sample of their `columns` (n,).
 
-    The first column is the axis; of bars, their names take its place. Each number is the shortest
-    text that reads back to the same bits; infinite values are ``inf``, missing ones ``nan``.
+    The first column is the axis, or the names of bars. Each number reads back to the same bits.
     """
     names, values = list(columns), [_numbers(_real(column)) for column in columns.values()]
     if curves.bars and names:

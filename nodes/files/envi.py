@@ -166,13 +166,11 @@ def integrate_bands(
     min_coverage: float = 0.99,
     empty: Empty = np.empty,
 ) -> picture_info.Samples:
-    """Integrate spectral radiance over an interval of wavelength: L = Σ L_k·w_k.
+    """Integrate spectral radiance over an interval of wavelength: L = Σ L_k·w_k, in double.
 
-    The weights are those of `band_weights_um`; `min_coverage` is the least part of the interval
-    that the bands must cover, 0 accepts any overlap. The result has the file's unit times µm, with
-    no other conversion: DIRSIG's W cm⁻² sr⁻¹ µm⁻¹ gives W cm⁻² sr⁻¹, and a scale of 1e4 brings that
-    to W m⁻² sr⁻¹. A file without a unit is taken to be per µm, as DIRSIG's are; a unit per nm is
-    allowed for. The sums are in double precision.
+    `min_coverage` is the least part of the interval that the bands must cover. The result has the
+    file's unit times µm: DIRSIG's W cm⁻² sr⁻¹ µm⁻¹ gives W cm⁻² sr⁻¹. A file without a unit is
+    taken to be per µm, as DIRSIG's are; a unit per nm is allowed for.
     """
     layout = read_layout(path)
     info = info_of(layout)
@@ -195,12 +193,10 @@ def band_weights_um(
 ) -> NDArray[np.float64]:
     """Width of each band's share of the interval, µm; the sum is the covered part of the interval.
 
-    A band reaches over wavelength ± fwhm/2. Without ``fwhm`` it reaches half-way to its
-    neighbours (the outer ones as far outward), which inside the spectrum is the trapezoid rule.
-    Where bands overlap they share the width equally, so that a constant spectrum L gives
-    L·(covered width) whatever the widths; gaps between bands count nothing, nor do bands that the
-    header marks as bad. Shares that the header gives itself (``band shares``, µm, as cubes of our
-    own that overlap have it) hold as they are.
+    A band reaches over wavelength ± fwhm/2; without ``fwhm`` half-way to its neighbours, which
+    inside the spectrum is the trapezoid rule. Where bands overlap they share the width equally, so
+    that a constant spectrum L gives L·(covered width); gaps and bad bands count nothing. Shares
+    that the header gives itself (``band shares``) hold as they are.
     """
     if not (math.isfinite(cut_on_um) and cut_on_um >= 0):
         raise ParameterError("cut_on_um", cut_on_um, "a finite number of 0 or more")

@@ -41,10 +41,8 @@ Fields = Mapping[str, str | list[str]]
 class EnviLayout:
     """Where an ENVI file's samples lie: everything needed to map it, checked.
 
-    `dtype` carries the file's byte order; `offset_bytes` is the length of what precedes the
-    samples; `missing` is the sample that stands for none, of that type, or None; `scaling` has a
-    gain and an offset for each band, (2, bands), or None; `fields` are all the header's fields,
-    keys in lower case.
+    `missing` is the sample that stands for none, of the type of `dtype`, which has the file's byte
+    order; `scaling` has a gain and an offset for each band, (2, bands), or is None.
     """
 
     data: Path
@@ -86,12 +84,7 @@ def is_envi(path: Path) -> bool:
 
 
 def read_layout(path: str | os.PathLike[str]) -> EnviLayout:
-    """Read and check the header of an ENVI picture, by its own path or that of its data file.
-
-    Refused are two files of which one is missing, fields that are missing, malformed or not
-    supported (complex, compressed, frame offsets), and a data file whose size is not
-    offset + lines·samples·bands·bytes.
-    """
+    """Read and check the header of an ENVI picture, by its own path or that of its data file."""
     data, header = _pair(readable_file(path))
     fields = _fields(header)
     _refuse_unsupported(fields, header)

@@ -36,9 +36,8 @@ _BITPIX = ("8", "16", "32", "-32", "-64")
 class FitsHeader:
     """The first header of a file: values by keyword, as text, and how numbers are scaled.
 
-    `length` are the bytes up to the samples, `zero` and `scale` the value of a stored 0 and of a
-    step of 1 (BZERO, BSCALE), `blank` the stored integer that stands for none, if the samples are
-    integers.
+    `length` are the bytes up to the samples, `zero` and `scale` BZERO and BSCALE, `blank` the
+    stored integer that stands for none.
     """
 
     path: Path
@@ -77,11 +76,7 @@ def read_fits_header(path: Path) -> FitsHeader:
 
 
 def refuse_unsupported(path: Path) -> None:
-    """Refuse a FITS file whose first header is not that of a picture that can be read.
-
-    There is none in it, as where pictures are in extensions; it departs from the standard; its
-    samples are of another type, or lie along more than three axes.
-    """
+    """Refuse a FITS file whose first header is not that of a picture that can be read."""
     with stored_bytes(path) as file:
         if file[: len(_START)] != _START:
             return

@@ -143,9 +143,8 @@ class PictureFormat(Format):
     """A format of picture files.
 
     `read_band` reads one band, counted from 0, as the numbers that the file stores, into an array
-    (rows, columns) of the precision of `delivered_dtype` that `empty` makes, perhaps on disk.
-    `write` takes samples (rows, columns, channels) of one of `dtypes`, names of
-    `nodes.files.stored_samples.SAMPLE_TYPES`, the most precise integer last.
+    of the precision of `delivered_dtype` that `empty` makes. `write` takes samples (rows, columns,
+    channels) of one of `dtypes`, of which the most precise integer is last.
     """
 
     read_info: Callable[[Path], PictureInfo]
@@ -228,11 +227,10 @@ def write_picture(
 ) -> None:
     """Write a picture (rows, columns[, channels]) atomically; the same samples give the same bytes.
 
-    Float and double samples read back bit for bit. For `uint8` and `uint16`, `low` and `high`
-    are the values that become black and white (0 and 255 or 65535; linear, nearest, clipped);
-    without them the samples must be whole numbers within the range already. `metadata` are what
-    `read_info` finds again where the format has room: ``unit``, ``focal_length_mm``, ``fov_x_deg``
-    and ``fov_y_deg``.
+    Floats read back bit for bit. For `uint8` and `uint16`, `low` and `high` become 0 and 255 or
+    65535 (linear, nearest, clipped); without them the samples must be such whole numbers.
+    `metadata` are what `read_info` finds again: ``unit``, ``focal_length_mm``, ``fov_x_deg``,
+    ``fov_y_deg``.
     """
     file = Path(os.fspath(path))
     suffix, kind = file.suffix.lower(), written_format(file)
@@ -249,11 +247,7 @@ _BLOCK_SAMPLES = 1 << 20
 
 
 def read_info(path: str | os.PathLike[str]) -> PictureInfo:
-    """Describe a picture file of any supported kind without reading its samples.
-
-    The kind is known by suffix, by content, and as ENVI by a header that lies beside the file or
-    is the file: see `nodes.files.formats`.
-    """
+    """Describe a picture file, of a kind known by suffix, content or header, without samples."""
     file = readable_picture(path)
     return format_of(file).read_info(file)
 
@@ -261,20 +255,15 @@ def read_info(path: str | os.PathLike[str]) -> PictureInfo:
 def read_pixels(path: str | os.PathLike[str], band: int = 0, *, empty: Empty = np.empty) -> Samples:
     """Read one band of a picture file, counted from 0, into an array that `empty` makes.
 
-    (rows, columns) in C order, as the numbers the file stores; float64 when it holds doubles,
-    integers of 32 or more bits or text, else float32. Samples may be not finite, as those are
-    that are missing by the header: see `check_finite`.
+    (rows, columns) in C order, as the file stores them, perhaps not finite; float64 of doubles,
+    integers of 32 or more bits and text, else float32.
     """
     file = readable_picture(path)
     return format_of(file).read_band(file, band, empty=empty)
 
 
 def check_finite(array: NDArray[Any], name: str, *, advice: str = "") -> None:
-    """Refuse samples (rows, columns) that are NaN or infinite; name how many, and the first.
-
-    `name` and `advice` are for the message. Works in blocks of rows, so that the memory it takes
-    does not grow with the picture.
-    """
+    """Refuse samples (rows, columns) that are NaN or infinite, by blocks; `advice` is added."""
     step = max(1, _BLOCK_SAMPLES // max(1, array.shape[1]))
     count = 0
     first: tuple[int, int] | None = None

@@ -46,9 +46,8 @@ class PictureInfo:
 def delivered_dtype(stored: np.dtype[Any]) -> np.dtype[Any]:
     """Return the precision samples are delivered in.
 
-    Double for doubles and for integers of 32 or more bits, which single precision would round;
-    else single, which holds every 16-bit integer and half exactly. Integers of 64 bits beyond
-    2⁵³ are rounded to the nearest double.
+    Double for doubles and integers of 32 or more bits, which single precision would round; those of
+    64 bits beyond 2⁵³ are rounded all the same.
     """
     if stored.kind == "f":
         return np.dtype(np.float64 if stored.itemsize > 4 else np.float32)
@@ -195,8 +194,7 @@ def header_fields(
     """Read what a `PictureInfo` has of all headers, from the keys, then from the description.
 
     What neither has is None. A key whose value is no length or no angle is refused; in the
-    description, free text in which ``key = value`` pairs may stand, it is prose. `where` names the
-    file in messages.
+    description it is prose. `where` names the file in messages.
     """
     own = {_normal(key): _texts(value) for key, value in fields.items()}
     described = _in_description(description)

@@ -67,8 +67,8 @@ def count_chunks(folder: Path) -> int:
 def atomic_store(path: Path) -> Iterator[Path]:
     """Give the name of a folder, not there yet, that takes the place of `path` at the end.
 
-    When the block raises, it is removed and what was at `path` is untouched, as `atomic_file` has
-    it. What a killed process has left in the folder above is removed.
+    Whatever happens, `path` is whole; what a killed process has left in the folder above is
+    removed.
     """
     target = Path(os.path.realpath(path))
     if target.exists() and not is_store(target):
@@ -258,11 +258,7 @@ def write_store(
     metadata: Mapping[str, picture_info.MetadataValue],
     dtype: np.dtype[Any] | None = None,
 ) -> None:
-    """Write a picture, perhaps on disk, as a Zarr array of version 3, whole or not at all.
-
-    `path` is a new folder, or a store that is replaced; `metadata` become attributes, which
-    `read_info` finds again. It is not packed.
-    """
+    """Write a picture, perhaps on disk, as an unpacked Zarr array, which may replace a store."""
     zarr = _library(path)
     rows, columns = samples.shape
     chunk = min(rows, _CHUNK), min(columns, _CHUNK)

@@ -43,11 +43,10 @@ def is_spectral(info: PictureInfo) -> bool:
 def sample_unit(info: PictureInfo, *, typed: str, scale: float, integrated: bool) -> SampleUnit:
     """Unit of the samples of a file after `scale`.
 
-    The file's own unit holds where it gives one and the scale is 1, else the typed one; empty or
-    `DEFAULT_UNIT` leaves the choice to the file. Radiance comes out in W/m²/sr, W/m²/sr/µm,
-    W/m²/sr/cm⁻¹ or the same in photons/s; every other unit is a name that stays as it is. Photons
-    do not become watts: each has its own wavelength. `integrated`: bands were summed up, each times
-    its width in µm.
+    The file's own unit holds where it gives one and the scale is 1, else the typed one. Radiance
+    comes out in W/m²/sr, W/m²/sr/µm, W/m²/sr/cm⁻¹ or the same in photons/s, which do not become
+    watts; every other unit is a name that stays. `integrated`: bands were summed up, each times its
+    width in µm.
     """
     own = _typed(typed)
     chosen = bool(typed) and own != RadianceUnit(1.0)
@@ -150,11 +149,9 @@ def radiance_caution(
 ) -> Caution | None:
     """Samples in W/m²/sr that cannot be radiance of a scene, or look like temperatures.
 
-    They cannot where their mean is above what any surface of the Earth gives in the band, sunlight
-    included (`brightest_surface_radiance`). Where the band is not known, that is the radiance of
-    all wavelengths, and kelvin may lie below it: then they look like temperatures where no unit
-    is stated, and mean ± 2 σ (three quarters of the samples at least, after Chebyshev) lie
-    between the coldest and the hottest land surface ever seen.
+    They cannot where their mean is above what any surface of the Earth gives in the band. Without a
+    band, nor a unit, they look like temperatures where mean ± 2 σ (three quarters of the samples at
+    least, after Chebyshev) lie between the coldest and the hottest land surface ever seen.
     """
     stats = statistics(samples, for_each=work.for_each)
     limit = spectra.brightest_surface_radiance(band_um=band_um)

@@ -202,8 +202,8 @@ _SHAPES = "allowed: (rows, columns), or (bands, rows, columns) with their wavele
 class HeldSamples:
     """Samples that nobody can change any more, named by their content.
 
-    (rows, columns), or (bands, rows, columns) with the middle of every band and perhaps its width;
-    float32 or float64, C order, read-only. `name` is what they are called in messages.
+    (rows, columns), or (bands, rows, columns) with the middle of every band; float32 or float64, C
+    order, read-only. `name` is what they are called in messages.
     """
 
     samples: Samples
@@ -363,8 +363,8 @@ def bands_of(
 ) -> CubeBands:
     """The bands of a cube that count, by wavelength; in W/m²/sr/µm where they are radiance.
 
-    `unit` is that of the samples times `scale`, None where they are no radiance. Of `interval_um` a
-    band at an end counts by its part within, about the middle of that part.
+    `unit` is that of the samples times `scale`, or None. A band at an end of `interval_um` counts
+    by its part within, about the middle of that part.
     """
     info = cube.info
     if info.wavelengths_um is None or (isinstance(cube, Source) and info.kind != "envi"):

@@ -66,8 +66,8 @@ class WriteMatrix(
 def curve_columns(curves: CurveData) -> dict[str, NDArray[np.float64]]:
     """Columns of equal length for curves, by unique names.
 
-    One abscissa and a column for each curve where all share it; else pairs of columns where all
-    are equally long; else one curve below the other, with its number in the first column.
+    One abscissa where all share it; else pairs of columns where all are equally long; else one
+    curve below the other, with its number in the first column.
     """
     series = curves.series
     columns: dict[str, NDArray[np.float64]] = {}

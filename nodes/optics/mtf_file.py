@@ -386,11 +386,10 @@ def _length_um(header: list[str], pattern: re.Pattern[str]) -> float | None:
 
 
 def read_listing(path: Path) -> tuple[NDArray[np.float64], float | None, float | None]:
-    """Read a text matrix with or without a header, such as Zemax's wavefront map or PSF.
+    """Read a text matrix, such as Zemax's wavefront map or PSF, perhaps below a header.
 
-    UTF-8 or, as Zemax writes it, UTF-16; numbers parted by blanks, commas or tabs. Lines that begin
-    with ``#`` count as header. The matrix, NaN where the text has it; then the wavelength and the
-    spacing in µm, None where the header does not name it.
+    The matrix, NaN where the text has it; then the wavelength and the spacing in µm, None where the
+    header does not name it.
     """
     lines = [line.strip() for line in lens_lines(path, what="a matrix of numbers")]
     header: list[str] = []

@@ -246,9 +246,8 @@ def scene_radiances(
 ) -> Radiances:
     """Band radiance of each of a scene's surfaces, or of background and signal [W m⁻² sr⁻¹].
 
-    Targets are black, `delta_K` warmer than a background of `temperature_K`; the scenes of
-    `DRAWN` have surfaces of many temperatures and emissivities, in steps of `delta_K`. A target's
-    `reflectances`, of background and signal, are given instead of their radiances.
+    Targets are black, `delta_K` warmer than a background of `temperature_K`; or their
+    `reflectances`, of background and signal, are given.
     """
     if reflectances is not None:
         return dict(zip(_LEVELS, reflectances, strict=True))
@@ -328,10 +327,9 @@ def scene_spectra(
 ) -> dict[str, FloatArray]:
     """Spectra of all that a scene is made of, in so many bands of equal width.
 
-    A texture's strength follows in every band from the radiances there, as it does without bands
-    from those of the whole band. `emissivity` and `sun_elevation_deg`, as for `surface_spectra`,
-    change nothing in the scenes of targets. `quantity` is `reflectance` for `DRAWN`; targets then
-    have the same `reflectances` in all bands.
+    A texture's strength follows in every band from the radiances there. `emissivity`,
+    `sun_elevation_deg` and the `quantity` reflectance are for `DRAWN`; targets have the same
+    `reflectances` in all bands.
     """
     kelvins: dict[str, Any] = {"temperature_K": temperature_K, "delta_K": delta_K}
     edges = band_edges(cut_on_um=cut_on_um, cut_off_um=cut_off_um, bands=bands)

@@ -261,11 +261,7 @@ def apart_caution(
     near: float = NEAR,
     remedy: str = "",
 ) -> Caution | None:
-    """A value that two places give differently; none where one of them is empty or 0.
-
-    They may differ by the share `near` of the larger. The remedy is to leave this one empty, if
-    none is given.
-    """
+    """A value of two places that differs by more than `near` of the larger; empty is none."""
     if not own or not other or alike(own, other, near=near):
         return None
     unit = f" {unit or unit_of(name)}".rstrip()

@@ -28,11 +28,7 @@ def at_nyquist(transfer: Transfer, axis: str) -> Recipe | None:
 
 
 def at_pixel_nyquist(transfer: Transfer, context: Context, axis: str) -> Recipe | None:
-    """At half a cycle per pitch of the detector, None where that or the focal length is not known.
-
-    It is a figure of the camera: where the image's samples are coarser than the pixels, it lies
-    beyond what the image has.
-    """
+    """At half a cycle per detector pitch; None where that or the focal length is not known."""
     pitch_um = context.detector_x_um if axis == "x" else context.detector_y_um
     if not pitch_um or not context.focal_length_mm or transfer.own is not None:
         return None
@@ -194,8 +190,8 @@ def figure(work: Work, table: TableData, *, name: str) -> float | int | str | No
 class TableFigures:
     """Read-outs that are figures of the module's table: name, unit and meaning of each.
 
-    A fourth entry is the name of the table's row, where it has another. `unit_of` is the input of
-    whose picture they have the unit; `table` gives the table of the outputs.
+    A fourth entry is the name of the row, where it is another; `unit_of` the input whose unit they
+    have; `table` gives the table of the outputs.
     """
 
     def __init__(

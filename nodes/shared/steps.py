@@ -124,8 +124,7 @@ class Carried(Linear):
 class OverFrames(recipes.Recipe):
     """What a function makes of several frames of a picture, in turn; none is kept.
 
-    It is called as ``function(frames, *others)`` with the first frame number `start`, and what the
-    recipes of `others` make. A sequence leaves it as it is: it is taken once.
+    It is called as ``function(frames, *others)``. A sequence leaves it as it is: it is taken once.
     """
 
     function: Callable[..., Any]

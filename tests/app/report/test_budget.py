@@ -61,7 +61,7 @@ def network(photons=PHOTONS, electronics=ELECTRONICS, scene=SCENE, sigma_px=BLUR
 def evaluated(document, precision="double"):
     engine = Engine(standard_library())
     plan = planned(engine, document, Path())
-    return evaluate(engine, plan, TimedWork(Policy(precision), engine.store), Path())
+    return evaluate(engine, plan, TimedWork(Policy(precision), engine.store))
 
 
 def radiance(found):
