@@ -145,7 +145,6 @@ def installed_plug_ins() -> tuple[dict[str, type[Module]], dict[str, str]]:
 
 
 def missing_modules(library: Library) -> list[str]:
-    """One line for each installed package of which modules are missing."""
     faults = library.faults if isinstance(library, PackagedLibrary) else {}
     return [
         in_line(f"modules of the package {package} are missing: {fault}")

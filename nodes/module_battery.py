@@ -399,7 +399,6 @@ def network_of(
 def planned(
     module: type[Module], params: Mapping[str, Any], scene: Mapping[str, Any], folder: Path
 ) -> tuple[Engine, Plan]:
-    """Raises the first fault of a node."""
     engine = Engine({**standard_library(), module.key: module})
     plan = engine.plan(network_of(module, params, scene), folder=folder)
     for node in plan.nodes.values():

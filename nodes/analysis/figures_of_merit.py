@@ -347,7 +347,6 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
         )
 
     def _sampled(self, context: Context) -> tuple[bool, bool]:
-        """Whether the sensor samples across and along."""
         scanning = self.scanning
         if scanning == "automatic":
             scanning = _OF_PLATFORM[context.platform]

@@ -264,7 +264,6 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
         )
 
     def _view_angles(self, chain: ScanChain) -> Row:
-        """Angles from nadir along a scan line, all of which meet the ground."""
         columns, interval = chain.shape[1], chain.interval_mrad
         middle = math.radians(self.look_angle_deg)
         name, value = "look_angle_deg", self.look_angle_deg

@@ -227,7 +227,6 @@ def _bars(
 
 
 def distinct(names: list[tuple[str, str]]) -> tuple[str, ...]:
-    """Names, each with its node where two are alike."""
     plain = [name for name, _ in names]
     return tuple(f"{name} ({node})" if plain.count(name) > 1 else name for name, node in names)
 

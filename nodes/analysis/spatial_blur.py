@@ -104,7 +104,6 @@ class SpatialBlur(Module, key="spatial_blur", title="Spatial Blur", group="Analy
 
 
 def _convolution(image: Recipe, kernels: Recipe, *, edges: Edges, plane: bool) -> Filtering:
-    """By the transfer functions that the kernels are made of, as if they were whole."""
     assert isinstance(kernels, Step)
     how = dict(kernels.parameters)
     return Filtering(how["factors"], how["grid"], edges)

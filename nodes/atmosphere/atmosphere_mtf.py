@@ -341,7 +341,6 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
 
 
 def _by_bands(blur: tuple[Planar, ...], law: Law, bands: BandStack | None) -> tuple[Planar, ...]:
-    """Each band of the picture at its own wavelength; the mean is weighted by their photons."""
     if bands is None:
         return blur
     return tuple(at_each_band(one, AtWavelength(law), bands, "photons") for one in blur)

@@ -218,7 +218,6 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
         return FocalPlaneOutputs(**given, table=Table(table))
 
     def _binned(self, image: Image, here: NodeContext, mode: BinMode = "sum") -> Image:
-        """The picture in bins, which are the pixels from here on."""
         x, y = self.binning_x, self.binning_y
         binned = combine_pixels(image, factor_x=x, factor_y=y, mode=mode, node=here.node)
         across, along = image.pixel_mrad

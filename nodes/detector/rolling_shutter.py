@@ -128,7 +128,6 @@ def _taps(places: Array) -> tuple[Array, Array]:
 
 
 def _weighted(lines: Array, weights: Array) -> Array:
-    """Sum of lines by their weights; those of weight 0 are left out."""
     total = np.zeros(lines.shape[1])
     for line, weight in zip(lines, weights, strict=True):
         if weight:

@@ -119,7 +119,6 @@ def read_matrix(path: str | os.PathLike[str]) -> NDArray[np.float64]:
 
 
 def _faulty_line(lines: list[str], separator: str | None, path: Path) -> FileError:
-    """What is wrong with the first line that is no row of the matrix."""
     columns = 0
     for number, line in enumerate(lines, 1):
         cells = line.partition("#")[0].split(separator)

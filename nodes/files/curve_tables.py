@@ -281,7 +281,6 @@ def _rows(
 
 
 def _row(line: str, names: list[tuple[str, int]]) -> dict[str, float] | None:
-    """Values by name; None for a line that is no row."""
     cells = list(re.finditer(r"\S+", line))
     try:
         values = [number_of(_EXPONENT.sub("E", cell.group())) for cell in cells]

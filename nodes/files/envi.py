@@ -409,7 +409,6 @@ def mean_spectrum(layout: Layout, rows: slice, columns: slice) -> NDArray[np.flo
 
 
 def row_blocks(layout: Layout, bands: int) -> Iterator[slice]:
-    """Rows that are read at a time where so many bands count."""
     read = bands if layout.interleave == "bsq" else layout.bands
     of_row = layout.columns * read * layout.dtype.itemsize
     step = max(1, _BLOCK_BYTES // of_row)

@@ -76,7 +76,6 @@ def read_fits_header(path: Path) -> FitsHeader:
 
 
 def refuse_unsupported(path: Path) -> None:
-    """Refuse a FITS file whose first header is not that of a picture that can be read."""
     with stored_bytes(path) as file:
         if file[: len(_START)] != _START:
             return

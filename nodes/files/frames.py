@@ -236,7 +236,6 @@ def write_frames(
     frames: Iterable[Array],
     done: Callable[[int], None] | None = None,
 ) -> None:
-    """Write frames one after the other; `done` is called after each with how many there are."""
     with _written(path) as file:
         file.write(kind.head(series))
         for number, frame in enumerate(frames):

@@ -138,7 +138,6 @@ def _values(path: Path, picture: Any, info: picture_info.PictureInfo) -> Callabl
 
 
 def _stored_bits(path: Path, spec: Any, kind: str) -> int:
-    """Bits of a sample; 0 where the file names none."""
     if kind == "png":
         return png_bit_depth(first_bytes(path, 32)) or 0
     return int(spec.get_int_attribute("oiio:BitsPerSample", 0))

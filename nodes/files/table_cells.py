@@ -70,7 +70,6 @@ def line_refused(file: Path, number: int, allowed: str) -> FileError:
 
 
 def begins_with_number(line: str) -> bool:
-    """Whether the first cell is a number, so that the line is no line of names."""
     first = re.split(f"[{_MARKS}]", line)[0]
     start = first if first != line else (line.split() or [""])[0]
     try:

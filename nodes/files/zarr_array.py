@@ -382,7 +382,6 @@ def _missing_value(attributes: Mapping[str, Any]) -> float | None:
 def _parts(
     rows: int, columns: int, chunk: tuple[int, int], samples: int
 ) -> Iterator[tuple[slice, slice]]:
-    """Blocks of whole chunks, of about so many samples."""
     wide = chunk[1] * max(1, min(-(-columns // chunk[1]), samples // (chunk[0] * chunk[1])))
     high = chunk[0] * max(1, samples // (chunk[0] * wide))
     for top in range(0, rows, high):

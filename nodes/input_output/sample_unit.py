@@ -204,7 +204,6 @@ def blocks(samples: Array, check: Callable[[], None]) -> Iterator[NDArray[np.flo
 
 
 def statistics(samples: Array, *, for_each: ForEach = in_turn) -> Statistics:
-    """Statistics of a real array of any shape that is not empty."""
     low, high = float(samples.min()), float(samples.max())
     # Relative to the minimum: the sum of large equal samples would round their mean.
     mean = low + _sum_of(samples, lambda block: float(np.sum(block)), low, for_each) / samples.size

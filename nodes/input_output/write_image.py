@@ -248,7 +248,6 @@ class Cube:
         write_text(path, frames.envi_header_text(self.series))
 
     def _recipes(self) -> Iterator[Recipe]:
-        """The bands, as many together as are read in one pass over a file."""
         count = self.bands.count
         of_band = self.image.rows * self.image.columns * 8
         step = min(max(1, _BYTES_AT_ONCE // of_band), _BANDS_AT_ONCE)
@@ -268,5 +267,4 @@ def _overlapping(bands: BandStack) -> bool:
 
 
 def _plain(unit: str) -> str:
-    """A unit in the characters of old headers."""
     return unit.replace("²", "^2").replace("µ", "u")

@@ -204,7 +204,6 @@ class DiffractionMTF(
         return band_spectrum.at_each_band(blur, law, bands, self.weighting, detector)
 
     def _bands(self, magnitude: Magnitude) -> BandStack | None:
-        """Bands of the picture, where the wavelengths are not fixed here."""
         if self.wavelengths != "auto" or magnitude.image is None:
             return None
         return magnitude.image.bands
@@ -234,7 +233,6 @@ class DiffractionMTF(
         return given_band(self.cut_on_um, self.cut_off_um, context.band_um)
 
     def _temperature(self, magnitude: Magnitude, band: Band, node: str) -> float | Recipe | None:
-        """Of the black body that weights the band; bands have their own light."""
         if self.weighting == "uniform" or self.wavelengths == 1 or band[0] == band[1]:
             return None
         if self._bands(magnitude) is not None:

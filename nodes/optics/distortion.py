@@ -181,7 +181,6 @@ class Rays:
         return np.broadcast_arrays(x, y)  # type: ignore[return-value]
 
     def of(self, row: Array, column: Array) -> tuple[Array, Array]:
-        """Column and row before, of samples of the new picture."""
         x, y = self.lens.undistorted(*self.tangents(row, column))
         grid = self.grid
         return (
@@ -229,7 +228,6 @@ class Displaced(Linear):
         return self.rays.grid.shape
 
     def grid_before(self, grid: Grid) -> Grid:
-        """As fine as after it."""
         return Grid(*self.rays.grid.shape, grid.interval_x_mrad, grid.interval_y_mrad)
 
     def noise(self, work: Work, power: NoisePower) -> NoisePower:

@@ -204,7 +204,6 @@ class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics")
         return curves
 
     def _direction(self, name: str) -> str | None:
-        """On which axis a column acts; None where `direction` leaves it out."""
         own = {"x": "x", "y": "y", "radial": "radial"}.get(name.rpartition("_")[2])
         if own is None:
             return "radial" if self.direction == "file" else self.direction

@@ -128,7 +128,6 @@ class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics")
         return (Planar(law, take="modulus", **how),), (Planar(law, take="phase", **how),)
 
     def _pitches(self, source: LensSource, context: Context) -> tuple[float, float]:
-        """Distances of the samples across and along, mrad."""
         across, unit = self.sample_pitch, self.pitch_unit
         if across is None:
             across, unit = source.spacing_um, "um"

@@ -159,7 +159,6 @@ class Vignetting(LightOverField, key="vignetting", title="Vignetting", group="Op
 
 
 def curve(file: Path, against: str, unit: str, what: str) -> Law:
-    """The measured curve of a law, which is 1 at 0."""
     points = read_heights(file, unit=unit, what=what, low=0.0, high=_BRIGHTEST)
     places, values = zip(*points, strict=True)
     if places[0] > 0.0:
@@ -174,7 +173,6 @@ def _planned(outputs: ImageOutput) -> tuple[Grid, Law]:
 
 
 def corner(grid: Grid) -> float:
-    """Tangent of the field angle at the corner of the frame."""
     return math.hypot(*_half_sides(grid))
 
 

@@ -194,7 +194,6 @@ def span(low: float, high: float, edges: FloatArray) -> slice:
 
 
 def band(low: float, high: float) -> Profile:
-    """1 between `low` and `high`."""
     return Profile(low, high, lambda e: e)
 
 

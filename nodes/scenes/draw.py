@@ -88,7 +88,6 @@ def surface_spectra(
 
 
 def _groups(emissivity: Emissivity) -> list[tuple[CoarseSpectrum, list[int]]]:
-    """Reflectances, each with the places of the surfaces that have it."""
     groups: dict[CoarseSpectrum, list[int]] = {}
     for place, (_, grey, material) in enumerate(SURFACES.values()):
         spectrum = materials()[material]
@@ -427,8 +426,6 @@ def draw_target(
 
 
 def _even(width: int, background: float, row: int, column: int, signal: float) -> Rows:
-    """The background, with the signal in one sample, if that is in the frame."""
-
     def rows(start: int, stop: int) -> coverage.FloatArray:
         block = np.full((stop - start, width), background)
         if start <= row < stop:

@@ -142,7 +142,6 @@ def _pane_states(front: Front) -> dict[str, FloatArray]:
 
 
 def _roof_line(drawing: Drawing) -> None:
-    """Penthouse, vents, chimney with its plume, mast; all against the sky."""
     for step in range(9):
         rise = 0.012 * step
         drawing.paint(
@@ -191,7 +190,6 @@ def _stair_tower(drawing: Drawing) -> None:
 
 
 def _lounge(drawing: Drawing) -> None:
-    """Low glazed hall on the left, with a railing round its roof terrace."""
     posts = 0.062 + 0.0042 * np.arange(37)
     drawing.paint("metal", band(0.588, 0.612), steps(posts, posts + 0.0013))
     drawing.paint_box("metal", 0.060, 0.5855, 0.215, 0.5885)
@@ -218,7 +216,6 @@ def _balconies(drawing: Drawing, front: Front) -> None:
 
 
 def _entrance(drawing: Drawing) -> None:
-    """Glazed doors under a canopy on two columns."""
     drawing.paint_box("brick_shade", 0.345, 0.645, 0.475, BASE)
     drawing.paint_box("door", 0.368, 0.672, 0.452, BASE)
     panels = np.linspace(0.368, 0.452, 7)

@@ -42,12 +42,10 @@ Side = tuple[float, float, float]
 
 
 def between(first: str, second: str, share: float) -> Mix:
-    """From `first` at 0 to `second` at 1."""
     return {first: 1.0 - share, second: share}
 
 
 def difference(of: str, against: str) -> Mix:
-    """How much more one surface has than another."""
     return {of: 1.0, against: -1.0}
 
 
@@ -291,7 +289,6 @@ def _ellipse_shares(
 def _spans(
     low: coverage.FloatArray, high: coverage.FloatArray, edges: coverage.FloatArray
 ) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.intp]]:
-    """First sample that each touches, and the one after the last."""
     last = edges.size - 1
     first = np.clip(np.searchsorted(edges, low, side="right") - 1, 0, last)
     return first, np.maximum(np.minimum(np.searchsorted(edges, high, side="left"), last), first)

@@ -73,7 +73,6 @@ class Lens:
 
     @property
     def solid_angle_sr(self) -> float:
-        """Of the exit pupil, seen from a pixel."""
         return solid_angle(
             f_number=self.f_number,
             obscuration_ratio=self.obscuration_ratio,
@@ -291,7 +290,6 @@ ELECTRONICS = "on Init & Trans (used by the electronics)"
 
 
 def alike(one: float, other: float, *, near: float = NEAR) -> bool:
-    """Whether two values differ by no more than that share of the larger."""
     return abs(one - other) <= near * max(abs(one), abs(other))
 
 

@@ -250,7 +250,6 @@ def _pixel(axis: str, outputs: InitOutputs) -> float | None:
 
 
 def _fill(own: float | None, of_camera: float | None) -> float:
-    """1, the default here, is as good as empty."""
     return (own if own not in (None, 1.0) else None) or of_camera or 1.0
 
 
@@ -272,7 +271,6 @@ _MOST_DOTS = 40  # samples across that are still drawn
 
 
 def _sketch(context: Context, pitch: tuple[float, float] | None) -> Plot:
-    """`pitch` is the detector's, mrad."""
     grid = context.grid
     interval = grid.interval_x_mrad, grid.interval_y_mrad
     side = max(_INTERVALS * max(interval), _PITCHES * max(pitch or (0.0,)))
@@ -310,7 +308,6 @@ def _rectangle(
 
 
 def _arrow(pitch: tuple[float, float], *, along: bool) -> Curve:
-    """Where the scan of a line scanner, or the flight of a pushbroom, leads."""
     length, aside = np.array([0.6, 1.45, 1.25, 1.45, 1.25]), np.array([0, 0, 0.12, 0, -0.12])
     x, y = (aside, length) if along else (length, aside)
     return Curve(x * pitch[along], y * pitch[along], "text", width=2.0)
