@@ -128,15 +128,26 @@ def samples_along(
     y = np.clip(line.along * frequency / sampled.interval_y, -highest_y, highest_y)
     if line.along == 0.0 or line.across == 0.0:
         x, y = np.rint(x), np.rint(y)  # on the samples, whatever the division rounded
-    from scipy.ndimage import map_coordinates  # imported where it is used: start-up time
-
-    # In FFT order: negative indices count from the array's end.
-    value = map_coordinates(sampled.values, [y, x], order=1, mode="grid-wrap")
+    value = _bilinear(sampled.values, x, y)
     if part == "ptf":
         value = np.angle(value) if np.iscomplexobj(value) else value
     elif np.iscomplexobj(value):
         value = np.abs(value)
     return frequency, np.asarray(value, np.float64)
+
+
+def _bilinear(values: Array, x: Vector, y: Vector) -> Array:
+    """Values at fractional indices of an array in FFT order; negative ones count from its end."""
+    left, top = np.floor(x).astype(np.intp), np.floor(y).astype(np.intp)
+    tx, ty = x - left, y - top
+    rows, columns = values.shape
+
+    def at(row: NDArray[np.intp], column: NDArray[np.intp]) -> Array:
+        return np.asarray(values[row % rows, column % columns])
+
+    upper = at(top, left) * (1 - tx) + at(top, left + 1) * tx
+    lower = at(top + 1, left) * (1 - tx) + at(top + 1, left + 1) * tx
+    return np.asarray(upper * (1 - ty) + lower * ty)
 
 
 @dataclass(frozen=True)
