@@ -33,20 +33,21 @@ class ChargeTransfer(Module):
         Section("Charge transfer", "detectors_per_line efficiency model nyquist"),
     )
 
-    def neutral(self) -> bool:
-        return self.detectors_per_line == 0 or self.efficiency == 1.0
-
-    def law(self) -> dict[str, Any]:
-        return {
+    def law(self, context: Context) -> dict[str, Any]:
+        """How `separable` takes it: w per cycle/mrad is 2π times the packets' distance in mrad."""
+        image = self.nyquist == "image"
+        distance = context.grid.interval_x_mrad if image else pixel_mrad("x", context)
+        how = {
             "transfers": self.detectors_per_line,
             "efficiency": self.efficiency,
             "model": self.model,
         }
-
-    def phase_per_frequency(self, context: Context) -> float:
-        """2π times the packets' distance in mrad: w per cycle/mrad."""
-        image = self.nyquist == "image"
-        return 2 * math.pi * (context.grid.interval_x_mrad if image else pixel_mrad("x", context))
+        neutral = self.detectors_per_line == 0 or self.efficiency == 1.0
+        return {
+            "x": None if neutral else how,
+            "argument": "phase_per_transfer",
+            "scale_x": 2 * math.pi * distance,
+        }
 
 
 class ChargeEffMTF(
@@ -70,15 +71,7 @@ class ChargeEffMTF(
     )
 
     def run(self, context: Context, magnitude: Magnitude, here: NodeContext) -> MtfOutputs:
-        factors = separable(
-            charge_transfer_mtf,
-            x=None if self.neutral() else self.law(),
-            argument="phase_per_transfer",
-            scale_x=self.phase_per_frequency(context),
-            label=self.title,
-            node=here.node,
-        )
-        return self.mtf_outputs(magnitude, *factors)
+        return self.separated(magnitude, here, charge_transfer_mtf, **self.law(context))
 
 
 class ChargeEffPhase(
@@ -109,13 +102,5 @@ class ChargeEffPhase(
     )
 
     def run(self, context: Context, phase: Phase, here: NodeContext) -> PtfOutputs:
-        factors = separable(
-            charge_transfer_ptf,
-            x=None if self.neutral() else self.law(),
-            part="ptf",
-            argument="phase_per_transfer",
-            scale_x=self.phase_per_frequency(context),
-            label=self.title,
-            node=here.node,
-        )
-        return self.ptf_outputs(phase, *factors)
+        how = {"part": "ptf", "label": self.title, "node": here.node, **self.law(context)}
+        return self.ptf_outputs(phase, *separable(charge_transfer_ptf, **how))

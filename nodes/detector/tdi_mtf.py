@@ -18,7 +18,7 @@ from nodes.shared.context_defaults import (
     given,
     of_context,
 )
-from nodes.shared.module_ports import MtfModule, MtfOutputs, separable
+from nodes.shared.module_ports import MtfModule, MtfOutputs
 
 
 class TdiMTF(MtfModule, key="tdi_mtf", title="TDI MTF", group="Detector"):
@@ -88,8 +88,7 @@ class TdiMTF(MtfModule, key="tdi_mtf", title="TDI MTF", group="Detector"):
             return self.mtf_outputs(magnitude, askew)
         along = how if self.direction == "y" else None
         across = how if self.direction == "x" else None
-        factors = separable(tdi_mtf, x=across, y=along, label=self.title, node=here.node)
-        return self.mtf_outputs(magnitude, *factors)
+        return self.separated(magnitude, here, tdi_mtf, x=across, y=along)
 
     def _how(self, context: Context) -> dict[str, Any]:
         name = f"detector_{self.direction}_um"
