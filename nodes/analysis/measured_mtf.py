@@ -70,10 +70,7 @@ def measured_slanted(
     window: Window,
     samples: int,
 ) -> Measured:
-    region, scale = _region(image, where)
-    across = direction if direction != "automatic" else _direction(region)
-    if across == "vertical":
-        region = region.T
+    region, scale, across = _region(image, where, direction)
     frequency = np.linspace(0.0, 1.0, samples)
     # The figures are those of fine steps, however few points the curve has.
     fine = np.linspace(0.0, 1.0, 257)
@@ -120,10 +117,7 @@ def measured_rows(
     clip_right: int | None,
 ) -> Measured:
     """MTF across an upright edge or line from the mean of rows, from 0 to Nyquist."""
-    region, scale = _region(image, where)
-    across = direction if direction != "automatic" else _direction(region)
-    if across == "vertical":
-        region = region.T
+    region, scale, across = _region(image, where, direction)
     work.check()
     average = row_average(picture=region, target=target, clip_left=clip_left, clip_right=clip_right)
     spread = np.diff(average.clipped) if target == "edge" else average.clipped
@@ -149,15 +143,19 @@ def measured_rows(
     )
 
 
-def _region(image: Array, where: Region) -> tuple[NDArray[np.float64], float]:
-    """The region in double precision from 0 to 1, and the range it had."""
+def _region(
+    image: Array, where: Region, direction: Direction
+) -> tuple[NDArray[np.float64], float, str]:
+    """The region from 0 to 1, the range it had, and across what it changes, along rows from now."""
     region = np.asarray(image[where.slices], np.float64)
     if not np.isfinite(region).all():
         raise DataError("the region contains samples that are not finite; move the region")
     lowest, highest = float(region.min()), float(region.max())
     if not highest - lowest > 1e-12 * max(abs(lowest), abs(highest)):
         raise DataError("no edge found: the region is uniform; move the region to an edge")
-    return (region - lowest) / (highest - lowest), highest - lowest
+    scaled = (region - lowest) / (highest - lowest)
+    across = direction if direction != "automatic" else _direction(scaled)
+    return scaled if across == "horizontal" else scaled.T, highest - lowest, across
 
 
 def _direction(region: NDArray[np.float64]) -> str:
