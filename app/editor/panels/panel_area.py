@@ -421,9 +421,6 @@ class NodePanel(QtWidgets.QFrame):
         self._of.do(operations.set_node_field(self.node, name, value))
 
 
-# The menu of a panel: named sets of the module's parameters, to be kept and taken again.
-
-
 class SetsMenu(Menu):
     """Filled when it is opened, from the files of the person's folder."""
 

@@ -301,10 +301,7 @@ class Field(QtWidgets.QWidget):
 
     def _paste(self, text: str) -> None:
         self.discard_typing()
-        try:
-            self.take(typed_text(self.parameter, text))
-        except ParameterError as error:
-            self.refuse_typed(error)
+        self.take(typed_text(self.parameter, text))
 
     def _reset(self) -> None:
         self.discard_typing()
@@ -449,9 +446,6 @@ class ListField(Field):
             self.box.setCurrentIndex(self.choices.index(value))
 
 
-# A field for what is on or off.
-
-
 class SwitchField(Field):
     def build(self) -> None:
         self.box = widgets.Check(self.title, self)
@@ -467,9 +461,6 @@ class SwitchField(Field):
 
     def show_value(self, value: Any) -> None:
         self.box.setChecked(bool(value))
-
-
-# Fields for a text, and for a list of numbers.
 
 
 class TextField(TypedField):
@@ -499,9 +490,6 @@ class NumbersField(TypedField):
             self.refuse_typed(error)
             return
         self.offer(numbers)
-
-
-# The values of a node on the clipboard.
 
 
 def copy_values(session: Session, names: Sequence[str]) -> None:

@@ -10,14 +10,11 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel, QLineEdit, QMenu, QWidget, QW
 from app.editor.declared_text import FreeNumber, choice_text, shown_number, shown_value
 from app.editor.session import Session
 from app.editor.widgets import filled, without_argument
-from core.editing.clipboard import VALUES_FORMAT, read_values
 from core.editing.macros import expose, hide, rename_exposed
 from core.editing.operations import Operation, exposed_as
-from core.errors import ImagechainError, ParameterError
+from core.errors import ImagechainError
 from core.modules.parameters import Parameter
-from core.network.linked_values import expression_text
 from core.network.macro import SEPARATOR
-from core.network.network import EXPRESSION
 
 _ABOUT_FREE = (
     "A fit to a picture (the Fit dock) determines the free parameters. Parameters stay free "
@@ -46,29 +43,10 @@ def chosen(parameter: Parameter, text: str) -> Any:
 
 
 def typed_text(parameter: Parameter, text: str) -> str:
-    """What is to be typed for a text with a unit, or for the values of a node that was copied."""
-    try:
-        text = (_value_of_node(parameter, text) if VALUES_FORMAT in text else text).strip()
-    except ParameterError:
-        raise
-    except ImagechainError as error:
-        raise ParameterError(parameter.name, text[:40], error.message) from error
-    # Not every unit is one that can be typed; its own need not be read.
-    unit = parameter.param.unit
+    """What is to be typed for a text with a unit, which need not be one that can be typed."""
+    text, unit = text.strip(), parameter.param.unit
     is_number = parameter.kind in ("number", "integer") and not text.startswith("=")
     return text.removesuffix(f" {unit}") if unit and is_number else text
-
-
-def _value_of_node(parameter: Parameter, text: str) -> str:
-    values, name = read_values(text), parameter.name
-    if name not in values:
-        raise ParameterError(
-            name, None, "the node on the clipboard has no value for this parameter"
-        )
-    raw = values[name]
-    if isinstance(raw, dict) and EXPRESSION in raw:
-        return f"= {expression_text(raw)}"
-    return "" if raw is None else text_with_unit(parameter, raw, parameter.param.unit)
 
 
 def text_with_unit(parameter: Parameter, value: Any, unit: str) -> str:

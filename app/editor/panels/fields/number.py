@@ -230,8 +230,6 @@ def _last_word(text: str) -> str:
     return found.group() if found and text.lstrip().startswith("=") else ""
 
 
-# A slider that signals what a person does with it, and shows values without signals.
-
 _BEGINS = "0123456789.-="
 _STEPS = {**STEPS, Qt.Key.Key_Right: 1, Qt.Key.Key_Left: -1}
 
@@ -459,9 +457,6 @@ def _range(parameter: Parameter, whole: bool) -> tuple[float, float]:
 
 def _decimals(step: float) -> int:
     return max(0, math.ceil(-math.log10(step)))
-
-
-# A field for a file name.
 
 
 class PathField(TypedField):

@@ -59,8 +59,6 @@ class PictureBar(QWidget):
         filled(QHBoxLayout(self), *parts, margins=(2, 2, 2, 0), spacing=3)
 
 
-# The menus of an image viewer: how the picture is drawn, and what it is compared with.
-
 MAPPINGS = {"linear": "&Linear", "log": "Lo&garithm", "spectrum": "Centred &Spectrum"}
 LEVELS = {
     "extremes": "&Minimum to Maximum",

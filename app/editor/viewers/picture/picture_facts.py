@@ -110,7 +110,7 @@ def laid_over(preview: Facts, full: Facts) -> Facts:
     return replace(preview, across=across, along=along, pixel_shape=full.pixel_shape)
 
 
-def picture_facts(image: Image, reduced: int = 1) -> Facts:
+def image_facts(image: Image, reduced: int = 1) -> Facts:
     """Of an image; in a preview `reduced` times smaller, the axes count its full-size samples."""
     first = (reduced - 1) / 2
     return Facts(
@@ -368,14 +368,10 @@ def _single(low: float, high: float, top: int, shift: float) -> Callable[[Array]
 
 def _double(low: float, high: float, top: int, shift: float) -> Callable[[Array], Array]:
     width = high - low
-    # Halved where the difference of the largest numbers overflows.
-    part = 1.0 if math.isfinite(width) else 0.5
-    width = width if part == 1.0 else high * part - low * part
 
     def scale(block: Array) -> Array:
         values = block.astype(np.float64)
-        values *= part
-        values -= low * part
+        values -= low
         values /= width
         values *= top
         values += shift

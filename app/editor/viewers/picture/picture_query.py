@@ -10,31 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.editor.evaluation.queries import Passing, Query
-from app.editor.viewers.picture.picture_facts import (
-    ALL,
-    AUTOMATIC_LEVELS,
-    BINS,
-    CHANNELS,
-    Automatic,
-    BandChoice,
-    Facts,
-    Levels,
-    Mode,
-    Range,
-    Scale,
-    Spread,
-    between_ends,
-    check_is_picture,
-    grey_levels,
-    identity,
-    of_bands,
-    picture_facts,
-    plane_facts,
-    pupil_facts,
-    quantiles,
-    spectrum_facts,
-    spread_of,
-)
+from app.editor.viewers.picture import picture_facts
 from app.editor.viewers.viewer import followed
 from core.chain.band_stack import BandStack
 from core.chain.engine import Plan, realize
@@ -50,7 +26,7 @@ from nodes.shared.context_defaults import is_radiance
 
 Array = NDArray[Any]
 INNER = (0.005, 0.995)
-WHOLE: Range = (0.0, 1.0)
+WHOLE: picture_facts.Range = (0.0, 1.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,15 +34,15 @@ class Channel:
     samples: NDArray[Any]  # shape (rows, columns): its samples, not mapped
     # extremes and histogram of the mapped samples, as shares of what lies between its automatic
     # levels: 0 at the lower one, 1 at the upper
-    spread: Spread
-    ends: Range  # these levels
+    spread: picture_facts.Spread
+    ends: picture_facts.Range  # these levels
 
 
 @dataclass(frozen=True, eq=False)
 class Picture:
     """A picture ready to be shown. All arrays are read-only."""
 
-    facts: Facts  # what it is
+    facts: picture_facts.Facts  # what it is
     # shape (rows, columns): the samples as the probe shows them, not mapped; of a composite those
     # of its red
     samples: NDArray[Any]
@@ -74,12 +50,12 @@ class Picture:
     # composite red, green and blue
     grey: NDArray[np.uint8]
     # mapped values of black and white; of a composite shares, as its channels' spreads have
-    levels: Range
+    levels: picture_facts.Range
     # extremes and histogram of the mapped samples; of a composite the extremes alone
-    spread: Spread
+    spread: picture_facts.Spread
     # how samples are mapped; otherwise than linear they are shown by their decimal logarithm, but
     # for planes, which are spectra already
-    mapping: Scale
+    mapping: picture_facts.Scale
     value: Any  # what is on the wire, for writing files
     other: Picture | None = None  # the other half of a wipe
     reduced: int = 1  # above 1 in a preview
@@ -100,7 +76,7 @@ class KeptPicture:
     port: str  # ``NODE.PORT``
     value: Any  # what was on the wire
     samples: NDArray[Any]  # shape (rows, columns): the samples, not mapped
-    facts: Facts  # what they are
+    facts: picture_facts.Facts  # what they are
 
 
 @dataclass(frozen=True)
@@ -111,17 +87,17 @@ class PictureQuery(Query):
     port: str = ""  # ``NODE.PORT``; empty for none
     other: str | None = None  # a second wire, for `mode`
     # the first alone, both to be shown side by side, or the first less the second
-    mode: Mode = "alone"
+    mode: picture_facts.Mode = "alone"
     # samples as they are, the logarithm of their modulus, or the logarithm of the modulus of an
     # image's spectrum
-    mapping: Scale = "linear"
+    mapping: picture_facts.Scale = "linear"
     # what becomes black and white: the extremes, the quantiles of 0.5 % and 99.5 %, or these mapped
     # values. A linear difference has automatic levels that put 0 in the middle. Every colour of a
     # composite has its own; two numbers are then shares of what lies between these
-    levels: Levels = "extremes"
+    levels: picture_facts.Levels = "extremes"
     # an earlier state's picture, as the other half: mapped as the present one is, to its levels
     kept: KeptPicture | None = None
-    bands: BandChoice = ALL  # what is shown of pictures with bands
+    bands: picture_facts.BandChoice = picture_facts.ALL  # what is shown of pictures with bands
 
     def with_(self, **changes: Any) -> PictureQuery:
         """With some of it changed; manual levels hold only for what they were set for."""
@@ -131,7 +107,7 @@ class PictureQuery(Query):
         # Of another band in the same place they hold, so that bands can be compared.
         otherwise = otherwise or self.bands.shown != changed.bands.shown
         if otherwise and "levels" not in changes and not isinstance(changed.levels, str):
-            return replace(changed, levels=AUTOMATIC_LEVELS)
+            return replace(changed, levels=picture_facts.AUTOMATIC_LEVELS)
         return changed
 
     @property
@@ -145,7 +121,7 @@ class PictureQuery(Query):
         return replace(self, port=port, other=other)
 
     def key(self, plan: Plan) -> Hashable:
-        return self, *(identity(self._value(plan, port)) for port in self._ports)
+        return self, *(picture_facts.identity(self._value(plan, port)) for port in self._ports)
 
     def answer(self, passing: Passing) -> Picture:
         first = self._source(passing, self.port)
@@ -161,7 +137,9 @@ class PictureQuery(Query):
         if same and len(first.recipes) == len(second.recipes):
             right = self._shown(passing, second, left.levels, left.channels)
         else:
-            automatic: Levels = self.levels if isinstance(self.levels, str) else "extremes"
+            automatic: picture_facts.Levels = (
+                self.levels if isinstance(self.levels, str) else "extremes"
+            )
             right = self._shown(passing, second, automatic)
         return replace(left, other=right)
 
@@ -180,7 +158,10 @@ class PictureQuery(Query):
         if source is not None:
             facts = self._drawn_facts(source)
         elif self.mapping == "spectrum" and isinstance(kept.value, Image):
-            samples, facts = centred_modulus(work, samples), spectrum_facts(kept.value)
+            samples, facts = (
+                centred_modulus(work, samples),
+                picture_facts.spectrum_facts(kept.value),
+            )
         shown = now.facts
         if passing.reduced > 1:  # a preview has fewer samples: their number is known later
             shown = replace(shown, rows=facts.rows, columns=facts.columns)
@@ -192,7 +173,7 @@ class PictureQuery(Query):
         log = self.mapping == "log" or samples is not kept.samples
         mapped = logarithm(work, samples) if log else samples
         work.check()
-        grey = grey_levels(mapped, *now.levels, for_each=work.for_each)
+        grey = picture_facts.grey_levels(mapped, *now.levels, for_each=work.for_each)
         grey.flags.writeable = False
         other = replace(now, facts=facts, samples=samples, grey=grey, value=kept.value)
         return replace(now, other=other)
@@ -203,7 +184,7 @@ class PictureQuery(Query):
 
     def _value(self, plan: Plan, port: str) -> Any:
         value = plan.output(port)
-        check_is_picture(value, port)
+        picture_facts.check_is_picture(value, port)
         return value
 
     def _source(self, passing: Passing, port: str) -> _Source:
@@ -214,32 +195,39 @@ class PictureQuery(Query):
             return self._of_image(port, value, passing.reduced)
         if isinstance(value, Pupil):
             recipe = Step.of(real, value.samples, node=node)
-            return _Source(port, value, (recipe,), pupil_facts(value))
+            return _Source(port, value, (recipe,), picture_facts.pupil_facts(value))
         work.log.looked_at.add(value.key)
         recipe = Step.of(centred_plane, node=node, value=value)
         own = work.value(value.own) if isinstance(value, Transfer) and value.own else None
         rows, columns = value.grid.shape if own is None else own.values.shape
-        return _Source(port, value, (recipe,), plane_facts(value, rows, columns, own))
+        return _Source(port, value, (recipe,), picture_facts.plane_facts(value, rows, columns, own))
 
     def _of_image(self, port: str, image: Image, reduced: int) -> _Source:
-        facts = picture_facts(image, reduced)
+        facts = picture_facts.image_facts(image, reduced)
         places = () if image.bands is None else self.bands.places(image.bands)
         if image.bands is None or not places:
             return _Source(port, image, (image.recipe,), facts)
         return _Source(
-            port, image, _recipes(image.bands, places), of_bands(facts, image.bands, places)
+            port,
+            image,
+            _recipes(image.bands, places),
+            picture_facts.of_bands(facts, image.bands, places),
         )
 
-    def _drawn_facts(self, source: _Source) -> Facts:
+    def _drawn_facts(self, source: _Source) -> picture_facts.Facts:
         """Of the samples, or of their spectrum where that is shown."""
         facts = source.facts
         if self.mapping != "spectrum" or not isinstance(source.value, Image):
             return facts
-        modulus = spectrum_facts(source.value)
+        modulus = picture_facts.spectrum_facts(source.value)
         return replace(modulus, unit=facts.unit, wavelengths_um=facts.wavelengths_um)
 
     def _shown(
-        self, passing: Passing, source: _Source, levels: Levels, like: tuple[Channel, ...] = ()
+        self,
+        passing: Passing,
+        source: _Source,
+        levels: picture_facts.Levels,
+        like: tuple[Channel, ...] = (),
     ) -> Picture:
         facts = self._drawn_facts(source)
         channels: tuple[Channel, ...] = ()
@@ -252,7 +240,9 @@ class PictureQuery(Query):
             else:
                 grey, drawn, channels = composed(passing.work, layers, levels, like)
                 ends = [end for one in channels for end in (one.spread.low, one.spread.high)]
-                spread = Spread(min(ends), max(ends), np.zeros(BINS, np.int64))
+                spread = picture_facts.Spread(
+                    min(ends), max(ends), np.zeros(picture_facts.BINS, np.int64)
+                )
         grey.flags.writeable = False
         return Picture(
             facts,
@@ -296,7 +286,7 @@ class _Source:
     port: str
     value: Any
     recipes: tuple[Recipe, ...]
-    facts: Facts
+    facts: picture_facts.Facts
     signed: bool = False
 
 
@@ -333,7 +323,7 @@ def _less(first: _Source, second: _Source) -> _Source:
     return replace(first, recipes=recipes, facts=facts, signed=True)
 
 
-def why_not_compared(kept: Facts, now: Facts) -> str:
+def why_not_compared(kept: picture_facts.Facts, now: picture_facts.Facts) -> str:
     """How A, kept, and B, now, differ so that no sample has its equal; else empty."""
     reasons = []
     if kept.kind != now.kind:
@@ -399,37 +389,34 @@ def one_of(_work: Work, pictures: Array, *, index: int) -> Array:
 
 
 @ends_lineage
-def finite_spread(work: Work, samples: Array, *, name: str) -> Spread:
+def finite_spread(work: Work, samples: Array, *, name: str) -> picture_facts.Spread:
     """Extremes and histogram; a `DataError` if samples are not finite."""
     with np.errstate(invalid="ignore"):
-        spread = spread_of(samples, for_each=work.for_each)
+        spread = picture_facts.spread_of(samples, for_each=work.for_each)
     if not (np.isfinite(spread.low) and np.isfinite(spread.high)):
         check_finite(samples, name)
     return spread
 
 
 @ends_lineage
-def inner_range(work: Work, samples: Array, whole: Spread) -> Range:
+def inner_range(work: Work, samples: Array, whole: picture_facts.Spread) -> picture_facts.Range:
     """From the 0.5 % to the 99.5 % quantile; the extremes where these are equal."""
-    low, high = quantiles(samples, whole, INNER, for_each=work.for_each)
+    low, high = picture_facts.quantiles(samples, whole, INNER, for_each=work.for_each)
     return (low, high) if high > low else (whole.low, whole.high)
-
-
-# The layers of a picture: one, or red, green and blue, each between levels of its own.
 
 
 @dataclass(frozen=True, eq=False)
 class Layer:
     shown: NDArray[Any]  # shape (rows, columns): the samples as the probe shows them
     mapped: NDArray[Any]  # the same, or their logarithms
-    spread: Spread  # extremes and histogram of the mapped ones
+    spread: picture_facts.Spread  # extremes and histogram of the mapped ones
     recipe: Recipe  # recipe, spread_recipe: of the mapped samples and of their spread
     spread_recipe: Recipe
     signed: bool = False  # whether automatic levels put 0 in the middle
     # of a converter whose numbers the mapped samples are; None where they are something else
     bits: int | None = None
 
-    def range_of(self, work: Work, levels: Levels) -> Range:
+    def range_of(self, work: Work, levels: picture_facts.Levels) -> picture_facts.Range:
         if not isinstance(levels, str):
             return levels
         low, high = self.spread.low, self.spread.high
@@ -438,22 +425,22 @@ class Layer:
         if self.signed:
             high = max(abs(low), abs(high))
             low = -high
-        return between_ends(low, high, self.bits)
+        return picture_facts.between_ends(low, high, self.bits)
 
-    def grey(self, work: Work, levels: Range) -> NDArray[np.uint8]:
+    def grey(self, work: Work, levels: picture_facts.Range) -> NDArray[np.uint8]:
         work.check()
-        return grey_levels(self.mapped, *levels, for_each=work.for_each)
+        return picture_facts.grey_levels(self.mapped, *levels, for_each=work.for_each)
 
 
 def composed(
-    work: Work, layers: Sequence[Layer], levels: Levels, like: Sequence[Channel] = ()
-) -> tuple[NDArray[np.uint8], Range, tuple[Channel, ...]]:
+    work: Work, layers: Sequence[Layer], levels: picture_facts.Levels, like: Sequence[Channel] = ()
+) -> tuple[NDArray[np.uint8], picture_facts.Range, tuple[Channel, ...]]:
     """Layers as colours, (rows, columns, layers), each between automatic levels of its own.
 
     Where the levels are two numbers, they are shares of what lies between these. With `like`, each
     is between the levels of that channel, so that two pictures can be compared.
     """
-    automatic: Automatic = levels if isinstance(levels, str) else "percentiles"
+    automatic: picture_facts.Automatic = levels if isinstance(levels, str) else "percentiles"
     shares = WHOLE if isinstance(levels, str) else levels
     colours, channels = [], []
     for number, layer in enumerate(layers):
@@ -465,14 +452,12 @@ def composed(
     return np.stack(colours, axis=-1), shares, tuple(channels)
 
 
-def _as_shares(spread: Spread, low: float, between: float) -> Spread:
+def _as_shares(spread: picture_facts.Spread, low: float, between: float) -> picture_facts.Spread:
     if not between > 0.0:  # one value: in the middle
-        return Spread(0.5, 0.5, spread.counts)
+        return picture_facts.Spread(0.5, 0.5, spread.counts)
     low_share, high_share = ((end - low) / between for end in (spread.low, spread.high))
-    return Spread(low_share, high_share, spread.counts)
+    return picture_facts.Spread(low_share, high_share, spread.counts)
 
-
-# What a picture has at the cursor, also in words.
 
 RADIANCE_PER_UM = "W/m²/sr/µm"
 
@@ -501,7 +486,7 @@ def probe(picture: Picture, row: int, column: int) -> Probe | None:
     return Probe(row, column, value, temperature, colours)
 
 
-def index_at(facts: Facts, x: float, y: float) -> tuple[int, int]:
+def index_at(facts: picture_facts.Facts, x: float, y: float) -> tuple[int, int]:
     return round(facts.along.index(y)), round(facts.across.index(x))
 
 
@@ -565,7 +550,7 @@ def facts_text(picture: Picture, query: PictureQuery, kept: str = "", way: str =
 def bands_text(wavelengths_um: tuple[float, ...]) -> str:
     if len(wavelengths_um) == 1:
         return f"at {wavelengths_um[0]:.4g} µm"
-    named = zip(CHANNELS, wavelengths_um, strict=True)
+    named = zip(picture_facts.CHANNELS, wavelengths_um, strict=True)
     return ", ".join(f"{name} {wavelength:.4g}" for name, wavelength in named) + " µm"
 
 

@@ -48,9 +48,6 @@ def placed_at(place: QRectF) -> QTransform:
     return scale * QTransform.fromTranslate(place.left(), place.top())
 
 
-# A line across a picture that can be dragged, and the samples along it.
-
-
 class ProfileLine(PlotBelow):
     """Samples of the picture, of a second one, and of red, green and blue, a curve each."""
 
@@ -114,9 +111,6 @@ def along_line(samples: NDArray[Any], x: Vector, y: Vector) -> Vector:
     return np.asarray(pg.interpolateArray(samples, places, default=np.nan))
 
 
-# The mean of every row and of every column: banding, shading and drift show in them.
-
-
 class LineMeans(PlotBelow):
     """Means of rows and of columns over their place; those of a second picture are dashed."""
 
@@ -148,8 +142,6 @@ class LineMeans(PlotBelow):
             curve.setData([at(index) for index in range(len(means))], means)
             self.setLabel("left", one.facts.unit or one.facts.quantity)
 
-
-# The spectra of a picture with bands: its mean, and that of the probed sample.
 
 _FEW = 24  # bands up to which every one has a dot
 _LONGEST = 110  # letters of a problem below the curves

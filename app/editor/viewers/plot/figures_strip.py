@@ -123,8 +123,6 @@ class FiguresStrip(Viewer):
             self.label(RUN_TIME).show_text(figure_text(done.seconds, "s"), about)
 
 
-# The query of the figures strip: the sensor's figures among the electronics' read-outs.
-
 _NO_SENSOR = "no Focal Plane or Electronics & Noise module in the network computes this figure"
 # port of the picture that the network delivers, why there is none, and ports that could be meant
 _Output = tuple[str | None, str, tuple[str, ...]]
@@ -188,8 +186,6 @@ def _output_of(plan: Plan) -> _Output:
     missing = f"{output.missing}; {HOW_TO_MARK}" if output.choices else output.missing
     return output.port, missing, output.choices
 
-
-# Figures as text: four digits, and a unit with the prefix that reads well.
 
 NONE = "—"
 _PREFIXED = ("Hz", "K", "s", "W/m²/sr", "e-")

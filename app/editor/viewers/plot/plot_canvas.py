@@ -261,9 +261,6 @@ class PlotCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         self.read.emit("")
 
 
-# One pair of axes.
-
-
 class CurvePlot(pg.PlotItem):  # type: ignore[misc]
     """Curves by their names, marks of abscissae, and a cursor."""
 
@@ -346,8 +343,6 @@ class CurvePlot(pg.PlotItem):  # type: ignore[misc]
         self.addItem(line)
         self.marks.append(line)
 
-
-# Bars with their names before them and their values behind.
 
 _NAMES = 0.45  # of the width, at most, for the names
 _THICK = 1.5  # lines of text that a bar is high at most

@@ -107,9 +107,6 @@ def _svg(widget: QWidget) -> bytes:
     return bytes(buffer.data().data())
 
 
-# The menu of a plot.
-
-
 def have_plot_menu(
     widget: QWidget,
     report: Report,

@@ -315,8 +315,6 @@ class PlotViewer(viewer.Viewer):
         self.status.show_text(f"beyond the plot: {', '.join(texts)}" if texts else "")
 
 
-# Named figures as a table.
-
 _HEADS = ("Name", "Value", "Unit", "Meaning")
 
 
@@ -372,8 +370,6 @@ def _exact(figure: TableRow) -> str:
         return ""
     return figure.value if isinstance(figure.value, str) else repr(figure.value)
 
-
-# The controls above a plot.
 
 _LETTERS = 14  # of what is plotted, at least
 PARTS = {"mtf": "MTF", "ptf": "PTF", "both": "MTF, PTF"}

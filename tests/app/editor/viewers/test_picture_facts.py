@@ -19,7 +19,6 @@ PICTURES = {
     "noise": (DRAW.normal(size=(37, 53)) * 3 + 20).astype(np.float32),
     "on a high level": (1e6 + DRAW.random((40, 31)) * 8).astype(np.float32),
     "huge": (DRAW.random((20, 21)) * 6e38 - 3e38).astype(np.float32),
-    "huge doubles": (2 * DRAW.random((9, 9)) - 1) * 1.7e308,
     "signed": DRAW.integers(-3000, 3000, (17, 20)).astype(np.int16),
     "turned": (DRAW.normal(size=(53, 37))).astype(np.float32).T,
 }
