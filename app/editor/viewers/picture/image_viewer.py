@@ -270,7 +270,7 @@ class ImageViewer(Viewer):
         self.band_bar = BandBar(self.owner, self)  # before the canvas in the order of Tab
         self.canvas = labelled(PictureCanvas(self), f"{self.owner}.canvas")
         self.status = StatusLine(self.owner, "What is shown", "Sample under the cursor", self)
-        self.region = RegionTool(self.session, self.evaluator, self.canvas, self.bar.region)
+        self.region = RegionTool(self, self.canvas, self.bar.region)
         self._hint = centred_hint(HINT, self)
         self._pages = QStackedWidget(self)
         for page in (self._hint, self.canvas):

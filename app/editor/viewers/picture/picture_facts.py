@@ -11,10 +11,8 @@ import pyqtgraph as pg
 from numpy.typing import NDArray
 from PySide6.QtCore import QRectF
 
-from app.editor.viewers.viewer import PICTURE_TYPES
 from core.chain.band_stack import BandStack
 from core.chain.wires import Image, Magnitude, Phase, Pupil, SpectrumWire, Transfer
-from core.errors import NetworkError
 from core.machine import ForEach, in_turn
 from core.records import dataclass, replace
 from core.transfer.factors import Grid
@@ -81,16 +79,6 @@ def identity(value: Any) -> Hashable:
     if isinstance(value, SpectrumWire):
         return value.key, value.image.unit if value.image is not None else ""
     return getattr(value, "key", None)
-
-
-def check_is_picture(value: Any, port: str) -> None:
-    kind = getattr(value, "port_type", None)
-    if kind not in PICTURE_TYPES:
-        shown = ", ".join(PICTURE_TYPES[:-1])
-        raise NetworkError(
-            f"{port} is of type {kind}: only {shown} and {PICTURE_TYPES[-1]} can be shown as "
-            "pictures"
-        )
 
 
 def laid_over(preview: Facts, full: Facts) -> Facts:
@@ -339,7 +327,10 @@ def _steps(
             np.clip(values, 0, 255, out=values)
         np.copyto(levels[rows], values, casting="unsafe")
 
-    _suited_to(samples, for_each)(one, list(_rows(samples)))
+    rows, columns = samples.shape
+    height = max(1, BLOCK_SAMPLES // columns)
+    blocks = [slice(start, start + height) for start in range(0, rows, height)]
+    (for_each if samples.size > THREADED_SAMPLES else in_turn)(one, blocks)
     return levels
 
 
@@ -378,16 +369,6 @@ def _double(low: float, high: float, top: int, shift: float) -> Callable[[Array]
         return values
 
     return scale
-
-
-def _rows(samples: Array) -> list[slice]:
-    rows, columns = samples.shape
-    height = max(1, BLOCK_SAMPLES // columns)
-    return [slice(start, start + height) for start in range(0, rows, height)]
-
-
-def _suited_to(samples: Array, for_each: ForEach) -> ForEach:
-    return for_each if samples.size > THREADED_SAMPLES else in_turn
 
 
 _MEAN_OF = 4  # samples each way that are averaged; of more, every n-th

@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 
 from app.editor.evaluation.queries import Passing, Query
 from app.editor.viewers.picture import picture_facts
-from app.editor.viewers.viewer import followed
+from app.editor.viewers.viewer import PICTURE_TYPES, followed
 from core.chain.band_stack import BandStack
 from core.chain.engine import Plan, realize
 from core.chain.wires import Image, Pupil, SpectrumWire, Transfer, spectrum
-from core.errors import DataError, ImagechainError, watched
+from core.errors import DataError, ImagechainError, NetworkError, watched
 from core.evaluation.recipes import Recipe, Step, ends_lineage, number_bits
 from core.evaluation.work import Work
 from core.network.network import Network
@@ -184,7 +184,10 @@ class PictureQuery(Query):
 
     def _value(self, plan: Plan, port: str) -> Any:
         value = plan.output(port)
-        picture_facts.check_is_picture(value, port)
+        kind = getattr(value, "port_type", None)
+        if kind not in PICTURE_TYPES:
+            shown = f"{', '.join(PICTURE_TYPES[:-1])} and {PICTURE_TYPES[-1]}"
+            raise NetworkError(f"{port} is of type {kind}: only {shown} can be shown as pictures")
         return value
 
     def _source(self, passing: Passing, port: str) -> _Source:

@@ -8,12 +8,11 @@ from PySide6.QtCore import QEvent, QObject, QPointF, QRectF, Qt, Signal
 from PySide6.QtGui import QTransform
 from PySide6.QtWidgets import QGraphicsRectItem, QToolButton
 
-from app.editor.evaluation.evaluator import Evaluator
-from app.editor.session import Session
 from app.editor.theme import Theme, theme_of
 from app.editor.viewers.picture.picture_canvas import PictureCanvas
 from app.editor.viewers.picture.picture_query import Picture
 from app.editor.viewers.plot.plot_looks import see_through, thick
+from app.editor.viewers.viewer import Viewer
 from app.editor.widgets import is_escape
 from core.chain.wires import Image
 from core.editing.operations import set_parameter, together
@@ -93,12 +92,10 @@ class RegionTool(QObject):
 
     picture_wanted = Signal(str)  # port: the viewer is to show that picture
 
-    def __init__(
-        self, session: Session, evaluator: Evaluator, canvas: PictureCanvas, button: QToolButton
-    ) -> None:
+    def __init__(self, viewer: Viewer, canvas: PictureCanvas, button: QToolButton) -> None:
         super().__init__(canvas)
-        self._session = session
-        self._evaluator = evaluator
+        self._session = session = viewer.session
+        self._evaluator = viewer.evaluator
         self._canvas = canvas
         self._button = button
         self._picture: Picture | None = None
@@ -115,7 +112,7 @@ class RegionTool(QObject):
         button.clicked.connect(self.look_for)
         for signal in (session.changed, session.selection_changed, session.opened):
             signal.connect(self.follow)
-        evaluator.pass_done.connect(self.follow)
+        viewer.evaluator.pass_done.connect(self.follow)
         self._having: dict[str, bool] = {}  # by module
         self._recolour()
         self.follow()

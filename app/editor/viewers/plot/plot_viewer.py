@@ -4,7 +4,7 @@ import re
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
-from typing import get_args
+from typing import Any
 
 from PySide6 import QtWidgets
 from PySide6.QtCore import QPoint, QSize, Qt, Signal
@@ -62,7 +62,7 @@ class PlotViewer(viewer.Viewer):
         self._follow_choices()
 
     def look_at(self, port: str | None) -> None:
-        self._lost = None
+        self._lost, port = None, port or None
         if port != self.port or self._bare:
             self.port, self._bare = port, ""
             self.log = None
@@ -96,9 +96,9 @@ class PlotViewer(viewer.Viewer):
             self.angle_deg = angle_deg
             self._follow_choices()
 
-    def set_parts(self, parts: str) -> None:
-        if parts in get_args(Parts) and parts != self.parts:
-            self.parts = parts  # type: ignore[assignment]
+    def set_parts(self, parts: Any) -> None:
+        if parts != self.parts:
+            self.parts = parts
             self._follow_choices()
             self._draw()
 
@@ -188,7 +188,7 @@ class PlotViewer(viewer.Viewer):
         widgets.filled(
             QtWidgets.QVBoxLayout(self), self.bar, (self._pages, 1), self.status, spacing=1
         )
-        self.bar.ports.chosen.connect(self._choose_port)
+        self.bar.ports.chosen.connect(self.look_at)
         self.bar.angle_chosen.connect(self.set_angle)
         self.bar.parts_chosen.connect(self.set_parts)
         self.bar.log_chosen.connect(self.set_log)
@@ -233,9 +233,6 @@ class PlotViewer(viewer.Viewer):
         if len(numbers) == 2:
             menu.close()
             self.canvas.set_limits(along, *map(float, numbers))
-
-    def _choose_port(self, port: str) -> None:
-        self.look_at(port or None)
 
     def _toggle(self, name: str, on: bool) -> None:
         self._switched[name] = on

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable, Iterable, Sequence
+from collections.abc import Hashable, Iterable, Iterator, Sequence
 from typing import Any, ClassVar, Literal
 
 import numpy as np
@@ -345,21 +345,10 @@ class CurvesQuery(Query):
             return TransferCurves(self.angle_deg, np.zeros(0), (), (), trouble, missing)
         samples = min(FINEST, max(grid.rows, grid.columns) // 2 + 1)
         responses = responses_along(chain, passing.work, self.angle_deg, samples)
-        groups: tuple[tuple[Kind, tuple[StageResponse, ...]], ...] = (
-            ("stage", responses.stages),
-            ("beside", responses.beside),
-            ("total", responses.products),
-        )
-        curves = tuple(
-            TransferCurve(
-                stage.name,
-                stage.title if kind == "total" else stage.name,
-                kind,
-                stage.x.mtf,
-                stage.x.ptf,
-            )
-            for kind, stages in groups
-            for stage in stages
+        curves = (
+            *_curves("stage", responses.stages),
+            *_curves("beside", responses.beside),
+            *_curves("total", responses.products),
         )
         marks = _marks(chain, grid, Direction.at(self.angle_deg))
         trouble = _trouble(passing.plan, tuple(error_text(error) for error in responses.failed))
@@ -417,6 +406,12 @@ def _cutoff_along(line: Direction) -> Any:
         return 1.0 / math.hypot(line.across / x, line.along / y) if factor.radial else None
 
     return cutoff
+
+
+def _curves(kind: Kind, stages: Iterable[StageResponse]) -> Iterator[TransferCurve]:
+    for stage in stages:
+        title = stage.title if kind == "total" else stage.name
+        yield TransferCurve(stage.name, title, kind, stage.x.mtf, stage.x.ptf)
 
 
 def _missing(chain: Chain) -> str:
