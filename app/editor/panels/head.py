@@ -100,10 +100,7 @@ class PanelHead(QWidget):
         self.text.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
         self.more = QLabel('<a href="handbook">More in the handbook</a>', self)
         widgets.labelled(self.more, "module_more", "More in the handbook")
-        self.more.setTextInteractionFlags(
-            Qt.TextInteractionFlag.LinksAccessibleByMouse
-            | Qt.TextInteractionFlag.LinksAccessibleByKeyboard
-        )
+        self.more.setTextInteractionFlags(Qt.TextInteractionFlag.TextBrowserInteraction)
         for part in (self.text, self.more):
             part.hide()
             self.help.toggled.connect(part.setVisible)

@@ -1,6 +1,6 @@
 """What all fields have: node, label, unit, message, menu; and fields of choices and lists."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -62,18 +62,16 @@ class PanelNode:
     def is_there(self) -> bool:
         return self.name in self.session.network.nodes
 
-    def given(self, parameter: str) -> object:
-        """A parameter's value as the network file has it; ABSENT where it has its default."""
-        node = self.session.network.nodes[self.name]
-        return thaw(node.params.get(parameter, ABSENT))
-
     def do(self, operation: Operation, gesture: object = None) -> None:
         if self.is_there:
             self.session.do(operation, gesture=gesture)
 
     def put(self, parameter: str, value: object, gesture: object = None) -> None:
         """Give a value to the node, and to others selected with it; a gesture is one step."""
-        self.do(_for_each(set_parameter(name, parameter, value) for name in self._alike), gesture)
+        alike = self.session.selected_alike
+        names = alike if self.name in alike else (self.name,)
+        steps = [set_parameter(name, parameter, value) for name in names]
+        self.do(together(steps) if len(steps) > 1 else steps[0], gesture)
 
     def names_beside(self) -> list[str]:
         """The numbers of the nodes that lie in the same macro, as expressions name them."""
@@ -85,16 +83,6 @@ class PanelNode:
                 if one.kind in ("number", "integer"):
                     names.append(f"{quoted(local)}.{one.name}")
         return names
-
-    @property
-    def _alike(self) -> tuple[str, ...]:
-        alike = self.session.selected_alike
-        return alike if self.name in alike else (self.name,)
-
-
-def _for_each(steps: Iterable[Operation]) -> Operation:
-    one, *others = steps
-    return together((one, *others)) if others else one
 
 
 class FieldLink(NamedTuple):
@@ -245,9 +233,6 @@ class Field(QtWidgets.QWidget):
         self._show_problem("")
         self._settle()
 
-    def discard_typing(self) -> None:
-        discard_typing(self)
-
     def contextMenuEvent(self, event: QContextMenuEvent) -> None:
         self.open_menu(event.globalPos())
         event.accept()
@@ -300,11 +285,11 @@ class Field(QtWidgets.QWidget):
         return "" if self.value is None else text_with_unit(self.parameter, self.value, unit)
 
     def _paste(self, text: str) -> None:
-        self.discard_typing()
+        discard_typing(self)
         self.take(typed_text(self.parameter, text))
 
     def _reset(self) -> None:
-        self.discard_typing()
+        discard_typing(self)
         self.node.put(self.parameter.name, ABSENT)
 
     def add_link_actions(self, menu: QtWidgets.QMenu) -> None:

@@ -15,7 +15,7 @@ from app.editor.declared_text import about, placeholder_of, shown_number, tip, t
 from app.editor.messages import FileDialog
 from app.editor.panels.fields.field import TypedField
 from app.editor.panels.fields.field_menu import offer
-from app.editor.panels.fields.type_in import STEPS, step_factor
+from app.editor.panels.fields.type_in import STEPS, discard_typing, step_factor
 from app.editor.theme import CHANGED
 from app.editor.widgets import filled, is_escape, labelled, plain_label, takes_wheel, tool_button
 from core.editing.operations import set_parameter
@@ -145,7 +145,7 @@ class NumberField(TypedField):
         self.edit.setModified(True)
 
     def _unlink(self) -> None:
-        self.discard_typing()
+        discard_typing(self)
         node, name = self.node, self.parameter.name
         if node.is_there:
             value = thaw(node.session.valued(node.name).params[name])

@@ -15,7 +15,19 @@ from app.editor.theme import ERROR, LIGHT
 from core.editing.operations import ABSENT, add_nodes, remove_nodes, set_node_field, set_parameter
 from core.modules.declaration import declaration
 from core.network.network import LARGEST_INTEGER, SEEDS, Node
-from panel_hands import LEFT, LIBRARY, change, drop, field_of, let_go, panel_area, type_in, undo_to
+from panel_hands import (
+    LEFT,
+    LIBRARY,
+    change,
+    drag,
+    drop,
+    field_of,
+    handle_of,
+    let_go,
+    panel_area,
+    type_in,
+    undo_to,
+)
 
 
 def test_panels_follow_the_document_without_editing_it(qtbot, session):
@@ -391,3 +403,53 @@ def test_nothing_is_clipped(qtbot, session):
         plain = [re.sub(r"\W|_", "", text).lower() for text in (key, declaration(module).title)]
         alike = plain[0] == plain[1]
         assert titles == ["" if alike else declaration(module).title, key]
+
+
+SIGMAS = {"one": 0.1, "two": 0.2, "three": 0.3}
+
+
+@pytest.fixture
+def alike(qtbot, session):
+    nodes = [Node(name, "gaussian_mtf", {"sigma_x_mrad": sigma}) for name, sigma in SIGMAS.items()]
+    nodes.append(Node("other", "jitter_mtf"))
+    session.do(add_nodes(tuple((node, (0.0, 0.0)) for node in nodes)))
+    return panel_area(qtbot, session)
+
+
+def sigmas(session):
+    return {name: session.network.nodes[name].params.get("sigma_x_mrad") for name in SIGMAS}
+
+
+def sigma_field(area, name):
+    return area.panels[name].body.sections.field("sigma_x_mrad")
+
+
+def test_what_is_typed_is_for_all_of_them_and_one_step(alike, session):
+    session.select(["one", "three"])
+    steps = session.document.position
+    type_in(sigma_field(alike, "three").edit, "0.7", key=Qt.Key.Key_Return)
+    assert sigmas(session) == {"one": 0.7, "two": 0.2, "three": 0.7}
+    assert session.document.position == steps + 1
+    session.undo()
+    assert sigmas(session) == SIGMAS
+
+
+def test_a_drag_is_one_step_and_esc_gives_each_its_own_value_back(alike, session):
+    session.select(["one", "two", "three"])
+    QApplication.processEvents()
+    steps = session.document.position
+    slider = sigma_field(alike, "three").slider
+    start = handle_of(slider)
+    QTest.mousePress(slider, LEFT, pos=start)
+    QTest.mouseMove(slider, start + QPoint(20, 0))
+    moved = sigmas(session)
+    assert moved["one"] == moved["two"] == moved["three"] != 0.3
+    QTest.keyClick(slider, Qt.Key.Key_Escape)
+    assert sigmas(session) == SIGMAS
+    QTest.mouseMove(slider, start + QPoint(30, 0))
+    QTest.mouseRelease(slider, LEFT, pos=start + QPoint(30, 0))
+    assert sigmas(session) == SIGMAS
+    drag(slider, 0.4)
+    assert session.document.position == steps + 1
+    session.undo()
+    assert sigmas(session) == SIGMAS
