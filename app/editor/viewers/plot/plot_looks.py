@@ -26,6 +26,7 @@ _KEPT = (5.0, 4.0)  # dots of a kept curve, and of its gaps
 _STRONG = 3  # dots that the curve which is looked at is wide
 _FAINT = 200  # of 255, the opacity of a limit
 _APART = 3.2  # lines of text from one number to the next, across
+_MOST_STEPS = 12
 _PLAIN = range(-4, 5)  # powers of ten that are written out
 
 
@@ -48,7 +49,7 @@ class PlotAxis(pg.AxisItem):  # type: ignore[misc]
         if self.ends is None:
             return list(super().tickSpacing(minVal, maxVal, size))
         line = QFontMetricsF(self.style["tickFont"] or QFont()).height()
-        room = line * (_APART if self.orientation == "bottom" else 1.05)
+        room = max(line * (_APART if self.orientation == "bottom" else 1.05), size / _MOST_STEPS)
         return [(round_step((maxVal - minVal) * min(room / max(size, 1.0), 1.0)), 0)]
 
     def tickValues(self, minVal: float, maxVal: float, size: float) -> list[Any]:
