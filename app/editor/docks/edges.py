@@ -176,8 +176,8 @@ class MtfChart(DockChart):
         self._curves: list[tuple[str, Any, str, Qt.PenStyle]] = []
         self.scene().sigMouseMoved.connect(self._read)
 
-    def show_measured(self, measured: PictureMeasurement | None, edge: MeasuredEdge | None) -> None:
-        theme, pooled = self.theme, (measured and measured.x, measured and measured.y)
+    def show_measured(self, measured: PictureMeasurement, edge: MeasuredEdge | None) -> None:
+        theme, pooled = self.theme, (measured.x, measured.y)
         looks = (("across", theme.curves[0], _SOLID), ("along", theme.curves[2], _DASH))
         self._curves = [
             (name, curve, colour, style)
@@ -235,7 +235,7 @@ _HINT = (
     "files; you can also drop files here. Imagechain finds the edges and measures the MTF across "
     "each one."
 )
-_FIT_HINT = (
+FIT_HINT = (
     "Choose Pictures… or drop measured pictures here. To let the fit change a number, right-click "
     "it on a panel and choose Free for a fit. Then click Fit."
 )
@@ -422,14 +422,10 @@ class SpreadChart(DockChart):
         self.name_axes("distance from the edge (samples)", "fraction of the step")
         self.add_legend()
         self.edge: DrawnEdge | None = None
-        self.hint = centred_hint(_FIT_HINT, self)
-        filled(QtWidgets.QVBoxLayout(self), self.hint)
-        self.show_edge(None)
 
     def show_edge(self, edge: DrawnEdge | None) -> None:
         self.edge = edge
-        self.hint.setVisible(edge is None)
-        self.plotItem.setVisible(edge is not None)
+        self.setVisible(edge is not None)
         self.clear()
         if edge is None:
             return
