@@ -342,7 +342,7 @@ class Freshness(QObject):
         self._late = QTimer(self, singleShot=True, interval=OLD_AFTER_MS)
         self._late.timeout.connect(lambda: self._set(True))
         session.changed.connect(self._edited)
-        session.opened.connect(lambda: self.catch_up(self._edit))
+        session.opened.connect(self._opened)
         evaluator.pass_done.connect(self._pass_done)
 
     def catch_up(self, generation: int) -> None:
@@ -350,6 +350,9 @@ class Freshness(QObject):
         if generation >= self._edit:
             self._late.stop()
             self._set(False)
+
+    def _opened(self) -> None:
+        self.catch_up(self._edit)
 
     def _edited(self, before: Any, after: Any) -> None:
         if computes_alike(before, after):
