@@ -262,7 +262,7 @@ def test_a_fault_in_a_plug_in_names_it(tmp_path):
     (tmp_path / "program.py").write_text(
         "import json, sys, traceback\n"
         "from app.command.cli import main\n"
-        "from app.editor.evaluation.badges import as_error\n"
+        "from app.editor.evaluation.queries import as_error\n"
         "from app.editor.declared_text import error_text\n"
         "import imagechain as ic\n"
         f"for where in {list(FAULTS)}:\n"
