@@ -70,7 +70,7 @@ def _of_code(path: Path) -> Iterator[Text]:
                     yield Text(f"{name}:{node.lineno}", "docstring", words)
                 elif _is_meaning(parent, owner):
                     yield Text(f"{name}:{node.lineno}", "help", words)
-            elif _is_prose(words):
+            elif _is_prose(words) and not _is_names(node, parent):
                 yield Text(f"{name}:{node.lineno}", _kind(node, parents, name), words)
 
 
@@ -106,6 +106,13 @@ def _is_meaning(node: ast.Expr, owner: ast.AST | None) -> bool:
         and owner.body[0] is node
         and any(re.match(r"(readout|warning)\b", ast.unparse(one)) for one in owner.decorator_list)
     )
+
+
+def _is_names(node: ast.AST, parent: ast.AST | None) -> bool:
+    """Names with blanks between: the parameters of a panel's section, what is taken apart."""
+    if isinstance(parent, ast.Call):
+        return getattr(parent.func, "id", "") == "Section" and parent.args[1:2] == [node]
+    return isinstance(parent, ast.Attribute) and parent.attr == "split"
 
 
 def _is_prose(words: str) -> bool:
