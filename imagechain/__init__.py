@@ -21,8 +21,6 @@ camera's pictures, and `ic.fit` fits a chain's parameters to them. `ic.physics` 
 formulas.
 """
 
-from __future__ import annotations
-
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING

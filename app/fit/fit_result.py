@@ -266,15 +266,20 @@ class FitResult:
 def result_of(fit: ChainFit, cost: Callable[[Vector], float]) -> FitResult:
     """Standard errors, correlations and warnings of a fit; `cost` is its sum of squares."""
     known = identified(fit, cost)
-    rivals = _rivals(fit, known)
-    undetermined = known.undetermined | set(rivals)
-    if fit.misfit.is_hopeless:
-        undetermined = undetermined | fit.shown
-    lone = tuple(i for i in _lone(fit) if i not in undetermined)
-    undetermined = undetermined | set(lone)
     with np.errstate(all="ignore"):
         sigma = np.sqrt(np.diag(known.covariance))
         correlation = known.covariance / np.outer(sigma, sigma)
+    # Parameters that have quite another value in a solution that fits nearly as well.
+    away = [np.abs(other - fit.values) for other in fit.rivals]
+    determined = [i for i in range(len(fit.free)) if i not in known.undetermined]
+    rivals = tuple(i for i in determined if any(one[i] > _RIVAL * sigma[i] for one in away))
+    undetermined = known.undetermined | set(rivals)
+    if fit.misfit.is_hopeless:
+        undetermined = undetermined | fit.shown
+    # Those that rest on one edge, while the edges leave much more than noise.
+    few = [i for i, edges in enumerate(fit.rests_on) if i in fit.shown and edges < _FEW]
+    lone = tuple(i for i in few if fit.misfit.is_material and i not in undetermined)
+    undetermined = undetermined | set(lone)
     nowhere = sorted(undetermined)
     correlation[nowhere, :] = correlation[:, nowhere] = np.nan
     for index in range(len(fit.free)):
@@ -300,21 +305,6 @@ def result_of(fit: ChainFit, cost: Callable[[Vector], float]) -> FitResult:
         *_misfit(fit, lone),
     )
     return FitResult(fit, tuple(parameters), correlation, known.combinations, tuple(warnings))
-
-
-def _rivals(fit: ChainFit, known: Identified) -> tuple[int, ...]:
-    """Parameters that have quite another value in a solution that fits nearly as well."""
-    sigma = np.sqrt(np.diag(known.covariance))
-    away = [np.abs(other - fit.values) for other in fit.rivals]
-    determined = [index for index in range(len(fit.free)) if index not in known.undetermined]
-    return tuple(i for i in determined if any(one[i] > _RIVAL * sigma[i] for one in away))
-
-
-def _lone(fit: ChainFit) -> tuple[int, ...]:
-    """Parameters that rest on one edge, while the edges leave much more than noise."""
-    if not fit.misfit.is_material:
-        return ()
-    return tuple(i for i, edges in enumerate(fit.rests_on) if i in fit.shown and edges < _FEW)
 
 
 def _other_solutions(fit: ChainFit, rivals: tuple[int, ...]) -> list[str]:

@@ -139,16 +139,14 @@ def _shown_pictures(evaluation: Evaluation, shown: list[dict[str, Any]]) -> list
     if not shown:
         return []
     drawn = pictures_png([_picture(evaluation, one, one["role"].capitalize()) for one in shown])
+    steps = [(one["interval_x_mrad"], one["interval_y_mrad"]) for one in shown]
+    sizes = [f" (sample size {number(x)} × {number(y)} mrad)" if x and y else "" for x, y in steps]
     alike = [
-        f"{one['port']}: {one['columns']} × {one['rows']} samples" + _interval(one) for one in shown
+        f"{one['port']}: {one['columns']} × {one['rows']} samples" + size
+        for one, size in zip(shown, sizes, strict=True)
     ]
     caption = "; ".join(alike) + ". Grey levels span each picture's own 0.1 % to 99.9 % quantiles."
     return [Drawn(drawn, caption, "input and output pictures")]
-
-
-def _interval(picture: dict[str, Any]) -> str:
-    x, y = picture["interval_x_mrad"], picture["interval_y_mrad"]
-    return f" (sample size {number(x)} × {number(y)} mrad)" if x and y else ""
 
 
 def _clean(picture: dict[str, Any], name: str) -> float:

@@ -78,7 +78,9 @@ class Staging:
     def check(self, target: Path) -> None:
         real = real_target(target)
         parent = real.parent
-        if any(_overlap(real, path) for path in self._inputs):
+        # A store and what lies in it count as one.
+        others = [path for path in self._inputs if ZARR.matches(real) and real in path.parents]
+        if others or not self._inputs.isdisjoint((real, *real.parents)):
             raise FileError(f"cannot write {target}: the file is an input of this run")
         with writing(f"to {target}"):
             _check_existing(real, target)
@@ -207,13 +209,6 @@ def _check_existing(real: Path, target: Path) -> None:
         raise FileError(f"cannot write {target}: {unfit}")
     if not os.access(real, os.W_OK):
         raise FileError(f"cannot write {target}: the file is read-only")
-
-
-def _overlap(real: Path, path: Path) -> bool:
-    """Whether a file is the other, or one of a store and what lies in it."""
-    if real == path or (ZARR.matches(real) and real in path.parents):
-        return True
-    return path in real.parents
 
 
 def _existing(folder: Path) -> Path:

@@ -22,23 +22,7 @@ from app.run.option_values import Save, assignment, study_path
 from app.run.saving import check_suffix, is_cube, region_of
 from app.run.staging import Staging, check_folder
 from app.run.terminal import Stopped, too_late, version
-from app.study.study_rows import (
-    SUFFIX,
-    Column,
-    Journal,
-    Point,
-    Row,
-    RowMaker,
-    Setting,
-    Task,
-    Workers,
-    check_installed,
-    file_names,
-    file_stamp,
-    input_paths,
-    network_key,
-    write_columns,
-)
+from app.study import study_rows
 from app.study.worker_processes import cluster_rows, process_rows
 from app.tradeoff.tradeoff_results import Figure, chosen_figures, nodes_after, with_value
 from core.chain.engine import Engine, Plan
@@ -81,7 +65,7 @@ def sampled(
     points: int | None,
     *,
     library: Library,
-) -> tuple[tuple[overrides.Variation, ...], Sequence[Point]]:
+) -> tuple[tuple[overrides.Variation, ...], Sequence[study_rows.Point]]:
     if points is not None and sample != LATIN:
         raise UsageError(f"--points {points}: works only with --sample latin")
     if sample in (GRID, LATIN):
@@ -105,7 +89,7 @@ def sampled(
     return listed_points(Path(sample), network, library=library)
 
 
-def grid_points(axes: Sequence[overrides.Variation]) -> tuple[Point, ...]:
+def grid_points(axes: Sequence[overrides.Variation]) -> tuple[study_rows.Point, ...]:
     """Every value of an axis with every value of the others; the last axis moves first."""
     _check_number(math.prod(len(axis.values) for axis in axes))
     return tuple(itertools.product(*(axis.values for axis in axes)))
@@ -113,7 +97,7 @@ def grid_points(axes: Sequence[overrides.Variation]) -> tuple[Point, ...]:
 
 def latin_points(
     axes: Sequence[overrides.Variation], count: int, seed: int
-) -> tuple[tuple[overrides.Variation, ...], list[Point]]:
+) -> tuple[tuple[overrides.Variation, ...], list[study_rows.Point]]:
     """A Latin hypercube: of `count` equal parts of each range, every part is taken once.
 
     Within its part a value is drawn uniformly (McKay, Beckman and Conover 1979). The axes come back
@@ -132,7 +116,7 @@ def latin_points(
 
 def listed_points(
     path: Path, network: Network, *, library: Library
-) -> tuple[tuple[overrides.Variation, ...], list[Point]]:
+) -> tuple[tuple[overrides.Variation, ...], list[study_rows.Point]]:
     """The points of a CSV file, a row each; a unit behind a name must be that of the parameter."""
     name = shown_path(str(path))
     if path.exists() and not path.is_file():  # a pipe would be waited for
@@ -177,7 +161,7 @@ def listed_points(
 
 
 def order_of(
-    axes: Sequence[overrides.Variation], points: Sequence[Point], network: Network
+    axes: Sequence[overrides.Variation], points: Sequence[study_rows.Point], network: Network
 ) -> list[int]:
     """The places in the order that repeats least: what few nodes hang on moves first."""
     touched = [len(nodes_after(network, axis.node)) for axis in axes]
@@ -280,10 +264,10 @@ def _of_files(axis: overrides.Variation) -> overrides.Variation:
 @dataclass(frozen=True)
 class Study:
     name: str  # of the network
-    setting: Setting  # what all points have in common
+    setting: study_rows.Setting  # what all points have in common
     library: Library  # the modules
     axes: tuple[overrides.Variation, ...]  # what varies
-    points: tuple[Point, ...]  # A value for each axis
+    points: tuple[study_rows.Point, ...]  # A value for each axis
     files: list[tuple[str, ...]]  # the saved pictures, by point
 
     @property
@@ -297,20 +281,22 @@ class Study:
     @property
     def inputs(self) -> list[Path]:
         nodes, folder = self.setting.network.nodes.values(), self.setting.folder
-        own = [file for node in nodes for file in input_paths(node, self.library, folder)]
+        own = [
+            file for node in nodes for file in study_rows.input_paths(node, self.library, folder)
+        ]
         return [*own, *(Path(v) for axis in self.axes for v in axis.values if v in axis.names)]
 
     @cached_property
     def key(self) -> str:
         """Content key: of two studies with one key all rows are the same."""
         return content_key(
-            network_key(self.setting.network, self.setting, self.library),
+            study_rows.network_key(self.setting.network, self.setting, self.library),
             tuple(axis.text for axis in self.axes),
             self.points,
             tuple((figure.text, figure.unit, figure.by_default) for figure in self.figures),
             tuple((save.port, save.bounds) for save in self.setting.saves),
             tuple(self.files),
-            tuple(file_stamp(file) for file in self.inputs),
+            tuple(study_rows.file_stamp(file) for file in self.inputs),
         )
 
     def check_places(self, outputs: Sequence[Path], read: Sequence[Path] = ()) -> None:
@@ -318,11 +304,11 @@ class Study:
         with Staging(None, inputs) as staging:
             for path in outputs:
                 staging.claim(path)
-                staging.check(path.with_name(path.name + SUFFIX))
+                staging.check(path.with_name(path.name + study_rows.SUFFIX))
             for folder in dict.fromkeys(Path(name).parent for row in self.files for name in row):
                 check_folder(folder)
             taken = {str(path.absolute()) for path in (*outputs, *inputs)}
-            taken |= {str(path.absolute()) + SUFFIX for path in outputs}
+            taken |= {str(path.absolute()) + study_rows.SUFFIX for path in outputs}
             for row in self.files:
                 for save, name in zip(self.setting.saves, row, strict=True):
                     if name in taken:
@@ -333,28 +319,30 @@ class Study:
 @dataclass(frozen=True)
 class StudyRows:
     study: Study  # what was wanted
-    rows: tuple[Row, ...]  # by point
+    rows: tuple[study_rows.Row, ...]  # by point
     start_s: float = 0.0  # what the start of workers took, which is no row's
 
     @property
-    def failed(self) -> list[Row]:
+    def failed(self) -> list[study_rows.Row]:
         return [row for row in self.rows if row.error]
 
-    def columns(self) -> list[Column]:
+    def columns(self) -> list[study_rows.Column]:
         """The rows as a table, without the default figures that have no value at any point."""
         study = self.study
-        columns = [Column("point", "", [row.place + 1 for row in self.rows])]
+        columns = [study_rows.Column("point", "", [row.place + 1 for row in self.rows])]
         for number, axis in enumerate(study.axes):
             values = [axis.shown(study.points[row.place][number]) for row in self.rows]
-            columns.append(Column(axis.text, axis.unit, values))
+            columns.append(study_rows.Column(axis.text, axis.unit, values))
         for number, figure in enumerate(study.figures):
             values = [row.figures[number] for row in self.rows]
             if not figure.by_default or any(value is not None for value in values):
-                columns.append(Column(figure.text, figure.unit, values))
-        columns.append(Column("key", "", [row.key for row in self.rows]))
-        columns.append(Column("seconds", "s", [row.seconds for row in self.rows]))
-        columns.append(Column("error", "", [row.error for row in self.rows]))
-        columns.append(Column("warnings", "", ["; ".join(row.warnings) for row in self.rows]))
+                columns.append(study_rows.Column(figure.text, figure.unit, values))
+        columns.append(study_rows.Column("key", "", [row.key for row in self.rows]))
+        columns.append(study_rows.Column("seconds", "s", [row.seconds for row in self.rows]))
+        columns.append(study_rows.Column("error", "", [row.error for row in self.rows]))
+        columns.append(
+            study_rows.Column("warnings", "", ["; ".join(row.warnings) for row in self.rows])
+        )
         return columns
 
 
@@ -377,7 +365,7 @@ def make_study(
 ) -> Study:
     """A study of every file with every sampled point, checked before it starts."""
     if output is not None:
-        check_installed(output)
+        study_rows.check_installed(output)
     overs = [files_axis(text, network, library=library) for text in over]
     drawn, inner_points = sampled(network, vary or {}, sample, points, library=library)
     axes = (*overs, *drawn)
@@ -404,8 +392,8 @@ def make_study(
     _check_saves(saves, first, network, library)
     units = tuple(_with_unit(figure, first) for figure in chosen)
     what = tuple(places), units, tuple(saves)
-    setting = Setting(network, folder.absolute(), *what, policy or Policy(), version())
-    files = file_names(saves, axes, every) if saves else []
+    setting = study_rows.Setting(network, folder.absolute(), *what, policy or Policy(), version())
+    files = study_rows.file_names(saves, axes, every) if saves else []
     study = Study(name, setting, library, axes, every, files)
     listed_in = [Path(sample)] if CSV.matches(Path(sample)) else []
     study.check_places([*filter(None, [output]), *summaries], [*read, *listed_in])
@@ -455,7 +443,7 @@ Summarise = Callable[[StudyRows], object]
 
 def carry_out(
     study: Study,
-    workers: Workers,
+    workers: study_rows.Workers,
     *,
     output: Path | None = None,
     fresh: bool = False,
@@ -469,7 +457,7 @@ def carry_out(
         result = _collected(study, workers, {}, cancel, reached)
         summarise(result)
         return result
-    with Journal(output, study.key, len(study.points), fresh=fresh) as journal:
+    with study_rows.Journal(output, study.key, len(study.points), fresh=fresh) as journal:
         for row in [*journal.rows.values()]:
             files = study.files[row.place] if study.files and not row.error else ()
             if not all(Path(file).exists() for file in files):
@@ -482,7 +470,7 @@ def carry_out(
             error.message = _kept(error.message, journal, study)
             raise
         too_late(cancel)
-        write_columns(result.columns(), output, study.name)
+        study_rows.write_columns(result.columns(), output, study.name)
         summarise(result)
         journal.remove()
     return result
@@ -490,11 +478,11 @@ def carry_out(
 
 def _collected(
     study: Study,
-    workers: Workers,
-    rows: dict[int, Row],
+    workers: study_rows.Workers,
+    rows: dict[int, study_rows.Row],
     cancel: threading.Event | None,
     reached: Reached | None,
-    keep: Callable[[list[Row]], object] = lambda _: None,
+    keep: Callable[[list[study_rows.Row]], object] = lambda _: None,
 ) -> StudyRows:
     """All rows, of which some may be there; the others are added, and kept as they come."""
     reached = reached or (lambda _: None)
@@ -512,7 +500,7 @@ def _collected(
 
 def run_study(
     network: Network,
-    workers: Workers,
+    workers: study_rows.Workers,
     *,
     output: str | None = None,
     summaries: Sequence[Path] = (),
@@ -535,8 +523,11 @@ def run_study(
 
 
 def _made(
-    study: Study, workers: Workers, done: Mapping[int, Row], cancel: threading.Event | None
-) -> Generator[list[Row]]:
+    study: Study,
+    workers: study_rows.Workers,
+    done: Mapping[int, study_rows.Row],
+    cancel: threading.Event | None,
+) -> Generator[list[study_rows.Row]]:
     """The rows that are not done: by this process, or by others as soon as that is worth it."""
     order = [place for place in study.order if place not in done]
     files = study.files or [()] * len(study.points)
@@ -549,7 +540,9 @@ def _made(
     start = time.monotonic()
     maker = None
     for number, task in enumerate(tasks, 1):
-        maker = maker or RowMaker(_setting(study, workers, study.setting.policy), study.library)
+        maker = maker or study_rows.RowMaker(
+            _setting(study, workers, study.setting.policy), study.library
+        )
         if cancel is not None and cancel.is_set():
             raise Cancelled("stopped on request")
         row = maker.row(task, cancel)
@@ -565,8 +558,12 @@ def _made(
 
 
 def _by_others(
-    study: Study, workers: Workers, tasks: list[Task], jobs: int, cancel: threading.Event | None
-) -> Generator[list[Row]]:
+    study: Study,
+    workers: study_rows.Workers,
+    tasks: list[study_rows.Task],
+    jobs: int,
+    cancel: threading.Event | None,
+) -> Generator[list[study_rows.Row]]:
     policy, scheduler = study.setting.policy, workers.scheduler
     if not scheduler:
         # The engine's threads beside those of the other processes would be in their way.
@@ -577,11 +574,11 @@ def _by_others(
     return cluster_rows(setting, study.key, tasks, scheduler, cancel)
 
 
-def _setting(study: Study, workers: Workers, policy: Policy) -> Setting:
+def _setting(study: Study, workers: study_rows.Workers, policy: Policy) -> study_rows.Setting:
     return replace(study.setting, policy=policy, memory_bytes=workers.memory_bytes)
 
 
-def _kept(why: str, journal: Journal, study: Study) -> str:
+def _kept(why: str, journal: study_rows.Journal, study: Study) -> str:
     return (
         f"{why}; {len(journal.rows)} of {len(study.points)} points done and saved in "
         f"{journal.path}: give the same command again to resume"

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from app.run.option_values import Assignment, assignment, low_high
+from app.run.option_values import assignment, low_high
 from app.run.overrides import named_parameter
 from app.run.terminal import warning_lines
 from app.tradeoff.tradeoff_results import Figure, computed, named_figure, shown_value, with_value
@@ -42,7 +42,10 @@ def solve_network(
     progress: Callable[[int], AbstractContextManager[Callable[[str], object]]],
 ) -> tuple[dict[str, Any], list[str]]:
     """The value that does it, as facts and in lines; else a `DataError` with what the ends give."""
-    sought, parameter = _sought(solve_for, network, library)
+    sought = assignment(FOR, solve_for if "=" in solve_for else f"{solve_for}=", _FOR_FORM)
+    parameter = named_parameter(FOR, sought, network, library=library)
+    if parameter is None:
+        raise UsageError(f"{FOR} {sought.port}: the node's module is unknown")
     figure, wanted = _wanted(until, network, library)
     engine = Engine(library)
     plan = engine.plan(network, folder=folder)
@@ -98,14 +101,6 @@ def solve_network(
             text = "none" if each is None else shown_value(each, units[name])
             lines.append(in_line(f"  {node}.{name}  {text}"))
     return facts, [*lines, *warning_lines(cautions)]
-
-
-def _sought(text: str, network: Network, library: Library) -> tuple[Assignment, Parameter]:
-    target = assignment(FOR, text if "=" in text else f"{text}=", _FOR_FORM)
-    parameter = named_parameter(FOR, target, network, library=library)
-    if parameter is None:
-        raise UsageError(f"{FOR} {target.port}: the node's module is unknown")
-    return target, parameter
 
 
 def _wanted(text: str, network: Network, library: Library) -> tuple[Figure, float]:

@@ -107,7 +107,10 @@ class Camera:
                 with work.hold(recipes):
                     made = {port: self._made(plan, port, work, int(number)) for port in values}
             finally:
-                self._forget(work)
+                # What this frame and the one before it asked for is kept; all else of either goes.
+                asked = set(work.log.requested)
+                work.forget(asked ^ self._asked)
+                self._asked = asked
         return made if self._several else made[self._ports[0]]
 
     def _planned(self, frame: Any, seed: int | None) -> Plan:
@@ -147,12 +150,6 @@ class Camera:
             samples = work.value(at_frame(value.recipe, number) if number else value.recipe)
             check_finite(samples, port)
             return samples
-
-    def _forget(self, work: Work) -> None:
-        """Keep what this frame and the one before it asked for; drop all else of either."""
-        asked = set(work.log.requested)
-        work.forget((asked | self._asked) - (asked & self._asked))
-        self._asked = asked
 
     def __repr__(self) -> str:
         rows, columns = self._size

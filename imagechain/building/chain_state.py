@@ -197,10 +197,10 @@ class ChainState:
             own = target.read_text(encoding="utf-8")
         except (OSError, ValueError):  # there is none, or it is no network: it names no file
             own = ""
-        names = {
-            node: f"{target.stem}_{_PLAIN.sub('_', node)}{'.npy' if _is_plain(held) else '.img'}"
-            for node, held in self.samples.items()
-        }
+        names = {}
+        for node, held in self.samples.items():
+            suffix = ".npy" if held.wavelengths_um is None else ".img"
+            names[node] = f"{target.stem}_{_PLAIN.sub('_', node)}{suffix}"
         for node, name in names.items():
             network = set_parameter(node, "path", ABSENT).apply(network)
             if (file := target.parent / name).exists() and f'"{name}"' not in own:
@@ -333,16 +333,11 @@ class Check:
 _PLAIN = re.compile(r"[^\w.-]+")
 
 
-def _is_plain(held: HeldSamples) -> bool:
-    return held.wavelengths_um is None
-
-
 def _write(file: Path, held: HeldSamples, *, named: bool) -> None:
     """Write samples: a picture as ``.npy``, a cube as ENVI has it, with its header beside it."""
-    if _is_plain(held):
+    if held.wavelengths_um is None:
         write_npy(file, held.samples)
         return
-    assert held.wavelengths_um is not None
     fields: dict[str, str | tuple[float, ...]] = {
         "wavelength_units": "Micrometers",
         "wavelength": held.wavelengths_um,

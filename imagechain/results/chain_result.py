@@ -17,19 +17,11 @@ from app.run.option_values import size_in_bytes
 from app.run.saving import MOST_FRAMES, check_suffix, cube_of, is_cube, real_array, save_value
 from app.run.staging import Staging, WriteRules, read_record
 from app.run.transfer_chain import find_output, ports_of_images
+from core import errors
 from core.chain.engine import Engine, Plan, asked_for
 from core.chain.random_fields import at_frame
 from core.chain.skipped import skips
 from core.chain.wires import Image
-from core.errors import (
-    ImagechainError,
-    NetworkError,
-    ParameterError,
-    UsageError,
-    close,
-    placed,
-    shown,
-)
 from core.evaluation.recipes import Region
 from core.evaluation.work import Policy
 from core.machine import store_bytes
@@ -58,13 +50,13 @@ class RunOptions:
         given: Iterable[str],
     ) -> None:
         if frames is not None and not (_is_whole(frames) and 1 <= frames <= MOST_FRAMES):
-            raise ParameterError("frames", frames, f"a whole number from 1 to {MOST_FRAMES}")
+            raise errors.ParameterError("frames", frames, f"a whole number from 1 to {MOST_FRAMES}")
         if region is not None and not (
             isinstance(region, tuple)
             and len(region) == 2
             and all(isinstance(part, slice) and part.step in (None, 1) for part in region)
         ):
-            raise ParameterError("region", region, _REGION)
+            raise errors.ParameterError("region", region, _REGION)
         chosen = (outputs,) if isinstance(outputs, str) else outputs
         self.policy, self.frames, self.region = policy, frames, region
         self.outputs = None if chosen is None else tuple(chosen)
@@ -79,7 +71,7 @@ class RunOptions:
         (top, bottom, _), (left, right, _) = map(slice.indices, self.region, shape)
         if bottom <= top or right <= left:
             allowed = f"{_REGION}, within the picture's {shape[0]} rows and {shape[1]} columns"
-            raise ParameterError("region", self.region, allowed)
+            raise errors.ParameterError("region", self.region, allowed)
         return Region(top, left, bottom - top, right - left)
 
 
@@ -102,7 +94,7 @@ def _bytes(memory: int | str | None) -> int | None:
         return size_in_bytes("memory", memory)
     if memory is None or (_is_whole(memory) and memory >= 1000):
         return memory
-    raise ParameterError(
+    raise errors.ParameterError(
         "memory", memory, 'a number of bytes, 1000 or more, or a string such as "2GB"'
     )
 
@@ -111,7 +103,7 @@ def _is_whole(value: object) -> bool:
     return isinstance(value, int) and not isinstance(value, bool)
 
 
-Smaller = Callable[[ImagechainError], Plan]
+Smaller = Callable[[errors.ImagechainError], Plan]
 
 
 class Result:
@@ -188,7 +180,7 @@ class Result:
         check_suffix(name, value, target)
         region = self._region(value) if isinstance(value, Image) else None
         if self._options.frames is not None and isinstance(value, Image):
-            raise UsageError(
+            raise errors.UsageError(
                 f"{target}: save writes one frame only; for several frames, use imagechain "
                 "run --frames"
             )
@@ -287,7 +279,7 @@ class Result:
         while True:
             try:
                 return evaluate(self._engine, self._plan, self._work)
-            except ImagechainError as error:
+            except errors.ImagechainError as error:
                 self._plan = self._smaller(error)
 
     def _port(self, port: str | None) -> str:
@@ -295,7 +287,7 @@ class Result:
             return port
         output = find_output(self._plan)
         if output.port is None:
-            raise NetworkError(
+            raise errors.NetworkError(
                 f"{output.missing}: name a port (NODE.PORT), or use chain.mark_final(NODE)"
                 if output.choices
                 else output.missing
@@ -306,8 +298,8 @@ class Result:
         names = [*ports_of_images(self._plan)]
         inner = self._plan.network.port_names.get(port, port)
         if inner not in names and inner.rpartition(".")[0] in self._plan.nodes:
-            hint = close(port, names) or f"; the pictures are {', '.join(names) or 'none'}"
-            raise NetworkError(f"{shown(port)} is not a picture of the chain{hint}")
+            hint = errors.close(port, names) or f"; the pictures are {', '.join(names) or 'none'}"
+            raise errors.NetworkError(f"{errors.shown(port)} is not a picture of the chain{hint}")
         value = self._plan.output(port)
         assert isinstance(value, Image)
         return value
@@ -317,7 +309,7 @@ class Result:
             return self._values[port]
         image = self._image(port)
         region = self._region(image)
-        with placed(port.rpartition(".")[0]):
+        with errors.placed(port.rpartition(".")[0]):
             if self._options.frames is None:
                 samples = self._engine.value(self._plan, port, self._work, region)
                 check_finite(samples, port)
@@ -335,7 +327,10 @@ class Result:
         return self._options.region_of(image.shape)
 
     def __repr__(self) -> str:
-        parts = [shown(self._plan.network.name) if self._plan.network.name else "", self.final]
+        parts = [
+            errors.shown(self._plan.network.name) if self._plan.network.name else "",
+            self.final,
+        ]
         words = ", ".join([*filter(None, parts), f"{self._work.policy.precision} precision"])
         return f"<Result: {words}>"
 
@@ -378,7 +373,7 @@ def run_plan(engine: Engine, plan: Plan, options: RunOptions, smaller: Smaller) 
     """Compute the ports named in the options, by default the final picture."""
     way = way_of_running(plan, options.policy, options.memory)
     if way.in_blocks and (options.frames or 1) > 1:
-        raise ParameterError(
+        raise errors.ParameterError(
             "frames", options.frames, "must be 1 for pictures that are computed in blocks"
         )
     kept = way.store(None)
