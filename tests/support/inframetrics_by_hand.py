@@ -170,25 +170,18 @@ class Builder(ValuesByHand):
         self.library = standard_library()
         self.wanted = wanted_network(self.library)
         self.app = application()
-        self.figures = {}
         self.window = MainWindow(
             library=self.library,
             settings=Settings(self.folder / "settings.ini"),
             recovery=self.folder / "recovery",
             remembered=False,
         )
-        self.window.evaluator.answered.connect(self.note_figures)
         screen = self.app.primaryScreen().availableGeometry()
         self.window.resize(screen.size())
         self.window.move(0, 0)
         self.window.show()
         self.window.activateWindow()
         wait_until(self.window.isActiveWindow, "the window has the focus")
-
-    def note_figures(self, answer):
-        """What the figures strip shows."""
-        if answer.owner == self.window.figures.owner and answer.value is not None:
-            self.figures = {each.name: each.value for each in answer.value.figures}
 
     @property
     def network(self):
@@ -345,7 +338,9 @@ class Builder(ValuesByHand):
         viewer = self.window.viewers.images[1]
         assert viewer.choices.port == "frame_grabber.image"
         np.save(self.folder / "shown.npy", viewer.picture.samples)
-        (self.folder / "figures.json").write_text(json.dumps(self.figures))
+        strip = self.window.figures
+        told = {name: strip.label(name).toolTip() for name in strip._names}
+        (self.folder / "figures.json").write_text(json.dumps(told))
         self.select("electronics")
         self.settle()
         self.screenshot("5_picture")

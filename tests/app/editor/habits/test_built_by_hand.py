@@ -71,8 +71,8 @@ def test_a_camera_built_by_hand_outlives_a_kill(built):
     np.testing.assert_array_equal(np.load(built / "shown.npy"), picture)
     figures = json.loads((built / "figures.json").read_text())
     assert figures
-    for name, value in figures.items():
-        assert value == readouts["electronics"][name], name
+    for name, told in figures.items():
+        assert f" {readouts['electronics'][name]!r}" in told, name
     # Work that no file held comes back after a kill.
     recovered = (built / "recovered.json").read_text()
     assert recovered == (built / "unsaved.json").read_text()
