@@ -176,7 +176,7 @@ def silenced_sigmas(found, sources):
     """
 
     def picture(document):
-        plan = found.engine.plan(document, folder=found.folder)
+        plan = found.engine.plan(document, folder=found.plan.folder)
         return found.engine.value(plan, found.chain.final, found.work).astype(float)
 
     smooth = silenced(found.network, "quantization")
