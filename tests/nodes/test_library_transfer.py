@@ -112,7 +112,7 @@ def drawn(parameter: Parameter) -> st.SearchStrategy[Any]:
     max_examples=examples(40),
     deadline=None,
     derandomize=True,
-    suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.filter_too_much],
+    suppress_health_check=[*HealthCheck],
 )
 @given(data=st.data())
 def test_transfer_functions_of_any_parameters(key, folder, data):
