@@ -1,7 +1,5 @@
 """The terminal of a command: what is printed, closed streams, and signals to stop."""
 
-from __future__ import annotations
-
 import contextlib
 import json
 import math
@@ -15,12 +13,9 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from numbers import Integral, Real
 from pathlib import Path, PurePath
 from types import FrameType
-from typing import TYPE_CHECKING, Any, TextIO
+from typing import Any, TextIO
 
 from core.errors import printable, several
-
-if TYPE_CHECKING:
-    from core.modules.parameters import Caution
 
 MOST_WARNINGS = 5
 """How many kinds of warnings are shown of many points."""
@@ -104,7 +99,7 @@ def json_text(value: Any, indent: int = 2) -> str:
     return printable(text) + "\n"
 
 
-def warning_lines(warnings: Iterable[Caution]) -> list[str]:
+def warning_lines(warnings: Iterable[object]) -> list[str]:
     return [printable(f"warning: {warning}") for warning in warnings]
 
 

@@ -510,25 +510,21 @@ def responses_along(
                 evaluated.append(StageResponse(stage.node, stage.title, values))
         return evaluated
 
+    def product(name: str, title: str, stages: Iterable[StageResponse]) -> StageResponse:
+        mtf, ptf = np.ones(len(frequency)), np.zeros(len(frequency))
+        for stage in stages:
+            mtf, ptf = mtf * stage.x.mtf, ptf + stage.x.ptf
+        return StageResponse(name, title, Response(mtf, ptf), is_product=True)
+
     before, later = along(chain.stages), along(chain.later)
     products = []
     if chain.cascade and len(before) == len(chain.stages):
-        products.append(_product(TOTAL, "Total", before, frequency))
+        products.append(product(TOTAL, "Total", before))
         if chain.later and len(later) == len(chain.later):
-            both = [*before, *later]
-            products.append(_product(SYSTEM, _SYSTEM_TITLE, both, frequency))
+            products.append(product(SYSTEM, _SYSTEM_TITLE, [*before, *later]))
     beside = along(chain.beside)
     stages, errors = (*before, *later), tuple(failed.values())
     return Responses(frequency, np.zeros(0), stages, tuple(beside), tuple(products), errors)
-
-
-def _product(
-    name: str, title: str, stages: Iterable[StageResponse], frequency: Vector
-) -> StageResponse:
-    mtf, ptf = np.ones(len(frequency)), np.zeros(len(frequency))
-    for stage in stages:
-        mtf, ptf = mtf * stage.x.mtf, ptf + stage.x.ptf
-    return StageResponse(name, title, Response(mtf, ptf), is_product=True)
 
 
 def at_nyquist(chain: Chain, work: Work) -> dict[str, float]:
