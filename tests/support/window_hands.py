@@ -133,6 +133,6 @@ def choose_file(button, path):
 
 
 def place_in(plots, index, value):
-    """Where an abscissa of a trade-off lies in a chart's viewport, half the way up."""
-    box = plots.charts[index].getViewBox()
-    return box.mapViewToScene(QPointF(value, box.viewRect().center().y()))
+    """Where an abscissa of a trade-off lies, half the way up a chart that has been drawn."""
+    frame = plots.charts[index].frame
+    return QPointF(frame.left() + plots.span.share(value) * frame.width(), frame.center().y())

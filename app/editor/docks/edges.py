@@ -8,16 +8,24 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import pyqtgraph as pg
-from PySide6 import QtWidgets
 from PySide6.QtCore import QEvent, QPointF, QRectF, QSignalBlocker, QSize, Qt, Signal
-from PySide6.QtGui import QColor, QKeyEvent, QPen
+from PySide6.QtGui import QColor, QKeyEvent, QMouseEvent, QPainter, QPen
+from PySide6.QtWidgets import (
+    QHeaderView,
+    QTableWidgetItem,
+    QTreeWidget,
+    QTreeWidgetItem,
+    QVBoxLayout,
+    QWidget,
+)
 
 from app.editor.declared_text import tip
-from app.editor.theme import Theme, theme_of
+from app.editor.panels.chart import Chart, ChartWidget
+from app.editor.theme import theme_of
 from app.editor.viewers.plot.plot_export import columns_text
-from app.editor.viewers.plot.plot_looks import PlotAxis, bare, paint_axes, see_through, thick
 from app.editor.widgets import RIGHT, CopiedTable, centred_hint, filled, labelled
 from app.measure.measurement_text import REFUSED, REMOVED, USED
+from core.modules.preview import Axis
 
 if TYPE_CHECKING:
     from app.fit.edge_fit import EdgesAt, Patch
@@ -28,17 +36,17 @@ _DELETE_KEYS = (Qt.Key.Key_Delete, Qt.Key.Key_Backspace)
 _FIGURE_HEADS = ("Figure", "Value", "Unit")
 
 
-class EdgeTable(QtWidgets.QTreeWidget):
+class EdgeTable(QTreeWidget):
     chosen = Signal(int)  # (place): the person marks an edge
     switched = Signal()  # a key removes the marked edge, or uses it again
 
-    def __init__(self, parent: QtWidgets.QWidget) -> None:
+    def __init__(self, parent: QWidget) -> None:
         super().__init__(parent, rootIsDecorated=False)
         labelled(self, "measure.edges", "Edges; press Del to exclude or include the selected edge")
         self.setHeaderLabels(["Edge", "Normal", "MTF50", "State"])
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         for column in range(3):
-            mode = QtWidgets.QHeaderView.ResizeMode.ResizeToContents
+            mode = QHeaderView.ResizeMode.ResizeToContents
             self.header().setSectionResizeMode(column, mode)
         self.currentItemChanged.connect(self._marked)
 
@@ -48,7 +56,7 @@ class EdgeTable(QtWidgets.QTreeWidget):
         with QSignalBlocker(self):
             if len(edges) != self.topLevelItemCount():
                 self.clear()
-                self.addTopLevelItems([QtWidgets.QTreeWidgetItem() for _ in edges])
+                self.addTopLevelItems([QTreeWidgetItem() for _ in edges])
             for place, edge in enumerate(edges):
                 item = self.topLevelItem(place)
                 assert item is not None
@@ -68,7 +76,7 @@ class EdgeTable(QtWidgets.QTreeWidget):
         else:
             super().keyPressEvent(event)
 
-    def _marked(self, item: QtWidgets.QTreeWidgetItem | None, *_: object) -> None:
+    def _marked(self, item: QTreeWidgetItem | None, *_: object) -> None:
         if item is not None:
             self.chosen.emit(self.indexOfTopLevelItem(item))
 
@@ -93,7 +101,7 @@ def edge_words(place: int, edge: MeasuredEdge) -> str:
 
 
 class FigureTable(CopiedTable):
-    def __init__(self, parent: QtWidgets.QWidget) -> None:
+    def __init__(self, parent: QWidget) -> None:
         super().__init__(0, len(_FIGURE_HEADS), parent)
         labelled(self, "measure.figures", "MTF and noise figures; Ctrl+C copies them")
         self.list_figures(_FIGURE_HEADS)
@@ -102,54 +110,12 @@ class FigureTable(CopiedTable):
         self.setRowCount(len(rows))
         for row, (name, value, unit, meaning) in enumerate(rows):
             for column, text in enumerate((meaning, value, unit)):
-                item = QtWidgets.QTableWidgetItem(text)
+                item = QTableWidgetItem(text)
                 if column == 1:
                     item.setTextAlignment(RIGHT)
                 item.setToolTip(name)
                 self.setItem(row, column, item)
         self.resizeRowsToContents()
-
-
-class DockChart(pg.PlotWidget):  # type: ignore[misc]
-    """A chart in the colours of its theme, which shows what it is set to; its size is in lines."""
-
-    def __init__(self, parent: QtWidgets.QWidget | None, width: float, height: float) -> None:
-        axes = {side: PlotAxis(side) for side in ("left", "bottom")}
-        super().__init__(parent, axisItems=axes, enableMenu=False)
-        bare(self.plotItem)
-        self.setMouseEnabled(x=False, y=False)
-        self.showGrid(x=True, y=True, alpha=0.12)
-        self.plotItem.layout.setVerticalSpacing(0)
-        self._lines = width, height
-        self._take_colours()
-
-    @property
-    def theme(self) -> Theme:
-        return theme_of(self)
-
-    def changeEvent(self, event: QEvent) -> None:
-        super().changeEvent(event)
-        if event.type() == QEvent.Type.PaletteChange and self.plotItem is not None:
-            self._take_colours()
-
-    def _take_colours(self) -> None:
-        self.setBackground(self.theme.base)
-        paint_axes(self.plotItem, self.theme)
-
-    def name_axes(self, x: str, y: str) -> None:
-        self.setLabel("bottom", x)
-        self.setLabel("left", y)
-
-    def add_legend(self) -> None:
-        self.addLegend(offset=(-1, 1), colCount=3, labelTextColor=self.theme.text)
-
-    def sizeHint(self) -> QSize:
-        line = self.fontMetrics().height()
-        return QSize(round(self._lines[0] * line), round(self._lines[1] * line))
-
-    def minimumSizeHint(self) -> QSize:
-        line = self.fontMetrics().height()
-        return QSize(10 * line, min(7 * line, round(self._lines[1] * line)))
 
 
 # The pooled MTF with its error, and the chosen edge's, in one small chart.
@@ -160,60 +126,60 @@ _ERRORS = 2.0  # standard errors, of a band
 _SOLID, _DASH, _DOT = Qt.PenStyle.SolidLine, Qt.PenStyle.DashLine, Qt.PenStyle.DotLine
 
 
-class MtfChart(DockChart):
+class MtfChart(ChartWidget):
     read = Signal(str)  # (text): what stands under the mouse; empty where nothing does
 
-    def __init__(self, parent: QtWidgets.QWidget | None = None) -> None:
-        super().__init__(parent, 20, 13)
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(width=20, height=13, parent=parent)
         labelled(
             self, "measure.mtf", "MTF against frequency",
             "Pooled horizontal (across, solid) and vertical (along, dashed) MTF with ± 2 standard "
             "errors, and the MTF of the selected edge along its normal",
         )  # fmt: skip
-        self.name_axes("frequency (cycles/sample)", "MTF")
-        self.setRange(xRange=(0.0, 1.0), yRange=(0.0, _HIGHEST), padding=0.0)
-        self.add_legend()
+        self.setMouseTracking(True)
         self._curves: list[tuple[str, Any, str, Qt.PenStyle]] = []
-        self.scene().sigMouseMoved.connect(self._read)
+        self._edge: MeasuredEdge | None = None
+        self._frame = QRectF()
 
-    def show_measured(self, measured: PictureMeasurement, edge: MeasuredEdge | None) -> None:
-        theme, pooled = self.theme, (measured.x, measured.y)
-        looks = (("across", theme.curves[0], _SOLID), ("along", theme.curves[2], _DASH))
+    def show_measured(self, measured: PictureMeasurement | None, edge: MeasuredEdge | None) -> None:
+        colours, pooled = self.theme.curves, (measured and measured.x, measured and measured.y)
+        looks = (("across", colours[0], _SOLID), ("along", colours[2], _DASH))
         self._curves = [
             (name, curve, colour, style)
             for (name, colour, style), curve in zip(looks, pooled, strict=True)
             if curve is not None
         ]
-        self.clear()
-        for _, curve, colour, _ in self._curves:
+        self._edge = edge
+        self.update()
+
+    def draw(self, painter: QPainter, area: QRectF) -> None:
+        x = Axis(0.0, 1.0, "frequency (cycles/sample)")
+        chart = Chart(painter, area, x, Axis(0.0, _HIGHEST, "MTF"), self.theme)
+        self._frame = chart.frame
+        drawn = list(self._curves)
+        for _, curve, colour, _ in drawn:
             known = np.isfinite(curve.mtf) & np.isfinite(curve.sigma)
             at, middle = curve.frequency[known], curve.mtf[known]
             wide = np.minimum(_ERRORS * curve.sigma[known], 2.0 * _HIGHEST)
-            ends = [pg.PlotCurveItem(at, middle + by, pen=None) for by in (wide, -wide)]
-            self.addItem(pg.FillBetweenItem(*ends, brush=see_through(colour, 60)))
-        drawn = list(self._curves)
-        if edge is not None and edge.curve is not None:
+            around = np.append(middle + wide, (middle - wide)[::-1])
+            chart.filled(np.append(at, at[::-1]), around, colour, closed=True)
+        if self._edge is not None and self._edge.curve is not None:
             # The colour of its line on the picture is too light for a light ground.
-            colour = USED if theme.look == "dark" else "#9a6a00"
-            drawn.append(("edge", edge.curve, colour, Qt.PenStyle.DashDotLine))
-        for name, curve, colour, style in drawn:
-            pen = thick(colour, 2, style)
-            self.plot(
-                curve.frequency, curve.mtf, pen=pen, name=name, connect="finite", antialias=True
-            )
+            colour = USED if self.theme.look == "dark" else "#9a6a00"
+            drawn.append(("edge", self._edge.curve, colour, Qt.PenStyle.DashDotLine))
+        for _, curve, colour, style in drawn:
+            chart.curve(curve.frequency, curve.mtf, colour, style, 2.0)
             if curve.mtf50 is not None:
-                dot = {"symbol": "o", "symbolSize": 7, "symbolBrush": colour}
-                self.plot([curve.mtf50], [0.5], symbolPen=theme.base, **dot)
+                chart.point(curve.mtf50, 0.5, colour)
+        chart.legend([(name, colour, style) for name, _, colour, style in drawn])
         if drawn:
-            label = {"position": 0.7, "color": theme.text, "anchors": [(0, 0.5), (0, 0.5)]}
-            pen = thick(theme.faint_text, 1, _DASH)
-            self.addItem(pg.InfiniteLine(_NYQUIST, pen=pen, label="Nyquist", labelOpts=label))
+            chart.upright(_NYQUIST, "Nyquist")
 
-    def _read(self, place: QPointF) -> None:
-        box = self.getViewBox()
-        share = box.mapSceneToView(place).x()
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+        frame, place = self._frame, event.position()
+        share = (place.x() - frame.left()) / max(frame.width(), 1.0)
         parts = [f"{name} {_value(curve, share)}" for name, curve, _, _ in self._curves]
-        inside = parts and box.sceneBoundingRect().contains(place)
+        inside = parts and frame.contains(place)
         self.read.emit(f"{share:.3f} cycles/sample: {', '.join(parts)}" if inside else "")
 
     def leaveEvent(self, event: QEvent) -> None:
@@ -235,7 +201,7 @@ _HINT = (
     "files; you can also drop files here. Imagechain finds the edges and measures the MTF across "
     "each one."
 )
-FIT_HINT = (
+_FIT_HINT = (
     "Choose Pictures… or drop measured pictures here. To let the fit change a number, right-click "
     "it on a panel and choose Free for a fit. Then click Fit."
 )
@@ -249,7 +215,7 @@ class EdgeCanvas(pg.PlotWidget):  # type: ignore[misc]
     stepped = Signal(int)  # (by): a key goes to the next edge, or the one before
     switched = Signal()  # a key removes the chosen edge, or uses it again
 
-    def __init__(self, parent: QtWidgets.QWidget) -> None:
+    def __init__(self, parent: QWidget) -> None:
         super().__init__(parent, enableMenu=False)
         about = "Picture with its edges; use the arrow keys to move between edges"
         labelled(self, "measure.picture", about)
@@ -269,7 +235,7 @@ class EdgeCanvas(pg.PlotWidget):  # type: ignore[misc]
         self._current = -1
         self._all = True
         self.hint = centred_hint(_HINT, self)
-        filled(QtWidgets.QVBoxLayout(self), self.hint)
+        filled(QVBoxLayout(self), self.hint)
         self.scene().sigMouseClicked.connect(self._clicked)
 
     def show_measured(self, measured: PictureMeasurement | None, picture: int = 0) -> None:
@@ -411,36 +377,43 @@ def drawn_edges(patches: tuple[Patch, ...], edges: EdgesAt) -> tuple[DrawnEdge, 
     return tuple(drawn)
 
 
-class SpreadChart(DockChart):
-    def __init__(self, parent: QtWidgets.QWidget | None = None) -> None:
-        super().__init__(parent, 24, 14)
+class SpreadChart(ChartWidget):
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(width=24, height=14, parent=parent)
         labelled(
             self, "fit.spread", "Measured and modelled edge profile",
             "Edge profile from dark (0) to bright (1): the picture's samples and the chain's "
             "edge spread function",
         )  # fmt: skip
-        self.name_axes("distance from the edge (samples)", "fraction of the step")
-        self.add_legend()
         self.edge: DrawnEdge | None = None
+        self.hint = centred_hint(_FIT_HINT, self)
+        filled(QVBoxLayout(self), self.hint)
 
     def show_edge(self, edge: DrawnEdge | None) -> None:
         self.edge = edge
-        self.setVisible(edge is not None)
-        self.clear()
-        if edge is None:
-            return
-        reach = max(1.0, float(np.abs(edge.distance).max(initial=0.0)))
-        self.setRange(xRange=(-reach, reach), yRange=(-0.2, 1.2), padding=0.0)
-        order = np.argsort(edge.distance, kind="stable")
-        few = order[:: max(1, len(order) // _MOST)]
-        few = few[np.isfinite(edge.sample[few])]
-        dots = {"symbol": "o", "symbolSize": 2, "symbolPen": None, "name": "picture"}
-        ink, pen = self.theme.faint_text, thick(self.theme.curves[0], 2)
-        self.plot(edge.distance[few], edge.sample[few], pen=None, symbolBrush=ink, **dots)
-        self.plot(edge.distance[order], edge.spread[order], pen=pen, name="chain", antialias=True)
+        self.hint.setVisible(edge is None)
+        self.update()
 
     def numbers(self) -> str:
         edge = self.edge
         names = ("distance (samples)", "picture", "chain")
         parts = () if edge is None else (edge.distance, edge.sample, edge.spread)
         return columns_text([(n, part.tolist()) for n, part in zip(names, parts, strict=False)])
+
+    def draw(self, painter: QPainter, area: QRectF) -> None:
+        edge = self.edge
+        if edge is None:
+            return
+        reach = max(1.0, float(np.abs(edge.distance).max(initial=0.0)))
+        x = Axis(-reach, reach, "distance from the edge (samples)")
+        chart = Chart(painter, area, x, Axis(-0.2, 1.2, "fraction of the step"), self.theme)
+        samples, line = self.theme.faint_text, self.theme.curves[0]
+        order = np.argsort(edge.distance, kind="stable")
+        few = order[:: max(1, len(order) // _MOST)]
+        few = few[np.isfinite(edge.sample[few])]
+        painter.save()
+        painter.setClipRect(chart.frame)
+        chart.dots(edge.distance[few], edge.sample[few], samples, 1.0)
+        painter.restore()
+        chart.curve(edge.distance[order], edge.spread[order], line, width=2.0)
+        chart.legend([("picture", samples, _DOT), ("chain", line, _SOLID)])

@@ -6,7 +6,6 @@ import math
 import threading
 import time
 from collections.abc import Callable
-from functools import cached_property
 from math import floor, log10
 from typing import TYPE_CHECKING, Any
 
@@ -17,21 +16,13 @@ from PySide6.QtGui import QKeyEvent
 
 from app.editor.declared_text import FreeNumber, about, label_of, shown_number, tip, typed_number
 from app.editor.docks import measure_view
-from app.editor.docks.edges import FIT_HINT, DrawnEdge, SpreadChart, drawn_edges
+from app.editor.docks.edges import DrawnEdge, SpreadChart, drawn_edges
 from app.editor.messages import NoticeList, Severity, choose_pictures, sentence
 from app.editor.session import Session
 from app.editor.theme import CHANGED
 from app.editor.viewers.plot.plot_export import have_plot_menu
 from app.editor.viewers.viewer import StatusLine
-from app.editor.widgets import (
-    RIGHT,
-    CopiedTable,
-    FlowLayout,
-    centred_hint,
-    filled,
-    labelled,
-    tool_button,
-)
+from app.editor.widgets import RIGHT, CopiedTable, FlowLayout, filled, labelled, tool_button
 from core.editing.operations import Operation, set_parameter, together
 from core.errors import ParameterError, UsageError
 from core.evaluation.recipes import Store
@@ -75,6 +66,7 @@ class FitView(measure_view.WorkerView):
         self._edges: dict[str, DrawnEdge] = {}
         self._build()
         self._connect()
+        have_plot_menu(self.chart, self._report, self.chart.numbers)
         self.show_state()
 
     @property
@@ -188,22 +180,10 @@ class FitView(measure_view.WorkerView):
         parts = (*buttons, self.name, self.which)
         filled(FlowLayout(bar, across=4, down=2), *parts, margins=(4, 4, 4, 2))
         self.notices = NoticeList("fit.notices", "Warnings and notes from the fit", self)
-        self.hint = centred_hint(FIT_HINT, self)
-        sides = ((self.table, 1), (self.hint, 1))
-        self.halves = measure_view.split(Qt.Orientation.Horizontal, *sides)
+        self.chart = SpreadChart(self)
+        halves = measure_view.split(Qt.Orientation.Horizontal, (self.table, 1), (self.chart, 1))
         self.status = StatusLine("fit", "Status of the fit, or why no fit is possible", "", self)
-        filled(
-            QtWidgets.QVBoxLayout(self), bar, self.notices, (self.halves, 1), self.status, spacing=1
-        )
-
-    @cached_property
-    def chart(self) -> SpreadChart:
-        """Made when there are edges: a chart takes 20 ms of the window's start."""
-        chart = SpreadChart(self)
-        have_plot_menu(chart, self._report, chart.numbers)
-        self.halves.insertWidget(1, chart)
-        self.halves.setStretchFactor(1, 1)
-        return chart
+        filled(QtWidgets.QVBoxLayout(self), bar, self.notices, (halves, 1), self.status, spacing=1)
 
     def _connect(self) -> None:
         self.table.refused.connect(lambda text: self._say(text, failed=True))
@@ -282,10 +262,7 @@ class FitView(measure_view.WorkerView):
         self._show_edge()
 
     def _show_edge(self, _index: int = 0) -> None:
-        edge = self._edges.get(self.which.currentText())
-        self.hint.setVisible(edge is None)
-        if edge is not None or "chart" in vars(self):
-            self.chart.show_edge(edge)
+        self.chart.show_edge(self._edges.get(self.which.currentText()))
 
     def show_progress(self, what: Any) -> None:
         """The name of what is done next, or edges as the values change."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Mapping
-from functools import cached_property, partial
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -261,6 +261,7 @@ class MeasureView(WorkerView):
         self._files: tuple[Path, ...] = ()
         self._build()
         self._connect()
+        have_plot_menu(self.chart, self._report, table=self._choose_target)
         have_plot_menu(self.canvas, self._report)
         self._show_all()
 
@@ -444,13 +445,14 @@ class MeasureView(WorkerView):
             "measure.notices", "Warnings and notes from the measurement", self
         )
         self.canvas = EdgeCanvas(self)
+        self.chart = MtfChart(self)
         self.table = EdgeTable(self)
         self.figures = FigureTable(self)
         self.tabs = widgets.labelled(QtWidgets.QTabWidget(self, documentMode=True), "measure.tabs")
         self.tabs.addTab(self.figures, "Figures")
         self.tabs.addTab(self.table, "Edges")
         self.tabs.tabBar().setAccessibleName("Figures or edges")
-        self.right = split(Qt.Orientation.Vertical, (self.tabs, 1))
+        self.right = split(Qt.Orientation.Vertical, (self.chart, 1), (self.tabs, 1))
         halves = split(Qt.Orientation.Horizontal, (self.canvas, 5), (self.right, 4))
         about = "Status of the measurement, or why no measurement is possible"
         self.status = StatusLine("measure", about, "Values there", self)
@@ -468,6 +470,7 @@ class MeasureView(WorkerView):
         self.canvas.switched.connect(self.switch)
         self.table.chosen.connect(self.choose)
         self.table.switched.connect(self.switch)
+        self.chart.read.connect(self.status.show_more)
         self.pictures.currentIndexChanged.connect(self._show_picture)
         self._session.changed.connect(self._say_shown)
         self._session.opened.connect(self._forget_network)
@@ -532,19 +535,8 @@ class MeasureView(WorkerView):
             self.notices.show_notices(map(_said, remarks(measured)))
         self._show_edge()
 
-    @cached_property
-    def chart(self) -> MtfChart:
-        """Made when there is an MTF: a chart takes 20 ms of the window's start."""
-        chart = MtfChart(self)
-        have_plot_menu(chart, self._report, table=self._choose_target)
-        chart.read.connect(self.status.show_more)
-        self.right.insertWidget(0, chart)
-        self.right.setStretchFactor(0, 1)
-        return chart
-
     def _show_edge(self) -> None:
-        if self.measured is not None:
-            self.chart.show_measured(self.measured, self.edge)
+        self.chart.show_measured(self.measured, self.edge)
         self._show_buttons()
         self._say_shown()
 

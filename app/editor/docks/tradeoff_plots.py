@@ -7,18 +7,26 @@ from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 import numpy as np
-import pyqtgraph as pg
 from numpy.typing import NDArray
-from PySide6.QtCore import QEvent, QPointF, Qt, QTimer, Signal
-from PySide6.QtGui import QFocusEvent, QKeyEvent, QPalette, QResizeEvent, QStandardItem
+from PySide6.QtCore import QEvent, QPointF, QRectF, QSize, Qt, QTimer, Signal
+from PySide6.QtGui import (
+    QColor,
+    QFocusEvent,
+    QFontMetricsF,
+    QKeyEvent,
+    QMouseEvent,
+    QPainter,
+    QPalette,
+    QPen,
+    QResizeEvent,
+    QStandardItem,
+)
 from PySide6.QtWidgets import QComboBox, QCompleter, QGridLayout, QLineEdit, QWidget
 
 from app.editor.declared_text import label_of, shown_number, tip, titled
-from app.editor.docks.edges import DockChart
+from app.editor.panels.chart import Chart, ChartWidget, ordinate_ticks, room_for_ticks
 from app.editor.panels.fields.number import LARGEST_WHOLE_RANGE, scale_of
 from app.editor.session import Session
-from app.editor.theme import theme_of
-from app.editor.viewers.plot.plot_looks import thick
 from app.editor.viewers.viewer import VALUE, NodeChoice, entry
 from app.editor.widgets import centred_hint, filled, is_escape, labelled, show_or_hide
 from app.run.overrides import MOST, OPTION, Variation, is_number, spaced, variation
@@ -35,7 +43,6 @@ DECADES_FROM = 100.0  # the largest over the smallest value, from which on decad
 FAINTEST = 1e-9  # of the largest value: what is below is not resolved
 _MOST_DOTS = 40
 _LINES = 5.5  # of text, the least height of a chart
-_SCALE = 4.2  # lines of text that the numbers of an ordinate have room in
 _WIDE = 11  # lines of text, the least width of a chart beside others
 _STEPS = {Qt.Key.Key_Right: 1, Qt.Key.Key_Left: -1, Qt.Key.Key_PageUp: 10, Qt.Key.Key_PageDown: -10}
 
@@ -48,78 +55,41 @@ class Graph:
     y: Vector
 
 
-class FigureChart(DockChart):
-    """A figure over the parameter, with a line at its present value that can be dragged."""
+class FigureChart(ChartWidget):
+    """A figure over the parameter, with the mark at its present value."""
 
     def __init__(self, plots: TradeOffPlots) -> None:
-        super().__init__(plots, _WIDE, _LINES)
-        self.setFocusPolicy(Qt.FocusPolicy.NoFocus)  # a click gives it to all of them
-        self.getAxis("left").setWidth(_SCALE * self.fontMetrics().height())  # so frames line up
+        super().__init__(width=_WIDE, height=_LINES, parent=plots)
+        self.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
         self.plots = plots
-        self._look: tuple[object, ...] = ()
-        self.curve = self.plot(
-            antialias=True, connect="finite", symbol="o", symbolSize=4, symbolPen=None
-        )
-        self.line = pg.InfiniteLine(movable=True)
-        self.addItem(self.line, ignoreBounds=True)
-        self.line.sigDragged.connect(lambda line: plots.moved.emit(self._value(line.value())))
-        self.line.sigPositionChangeFinished.connect(plots.released)
-        self.scene().sigMouseMoved.connect(self._point)
-        self.scene().sigMouseClicked.connect(self._click)
+        self.frame = QRectF()
 
-    def show_graph(self, graph: Graph, span: Span, label: str, colour: str) -> None:
-        axes = (Axis(span.low, span.high, label, log=span.log), _ordinate(graph))
-        if (look := (*axes, colour, self.theme)) != self._look:  # to lay it out takes long
-            self._look = look
-            self._name_and_range(*axes)
-            self.curve.setPen(thick(colour, 2))
-            self.line.setPen(thick(self.theme.accent, 2))
-            self.line.setHoverPen(thick(self.theme.changed, 3))
-        self.curve.setSymbolBrush(colour if len(graph.x) <= _MOST_DOTS else None)
-        there = slice(None if np.isfinite(graph.y).any() else 0)  # NaN alone has no bounds
-        self.curve.setData(graph.x[there], graph.y[there])
-        self.show_mark()
+    def minimumSizeHint(self) -> QSize:
+        line = self.fontMetrics().height()
+        return QSize(10 * line, round(_LINES * line))
 
-    def _name_and_range(self, *axes: Axis) -> None:
-        ends = [np.log10((one.low, one.high)) if one.log else (one.low, one.high) for one in axes]
-        self.setLogMode(*(one.log for one in axes))
-        self.setRange(xRange=ends[0], yRange=ends[1], padding=0.0)
-        self.setLabel("bottom", axes[0].title)
-        size = f"{self.font().pointSizeF()}pt"
-        self.setTitle(axes[1].title, size=size, color=self.theme.text)
-        self.plotItem.layout.setRowFixedHeight(0, self.fontMetrics().height())
-        self.line.setBounds(ends[0])
-
-    def show_mark(self) -> None:
-        span, mark = self.plots.span, self.plots.mark
-        shown = span is not None and mark is not None and span.low <= mark <= span.high
-        self.line.setVisible(shown)
-        if shown:
-            self.line.setValue(math.log10(mark) if span.log else mark)  # type: ignore[union-attr, arg-type]
-
-    def _value(self, place: float) -> float:
-        span = self.plots.span
-        assert span is not None
-        return float(span.value_at(span.share(10.0**place if span.log else place)))
-
-    def _value_at(self, scene: QPointF) -> float:
-        """The value at a point of the scene; NaN beside the frame."""
-        box = self.getViewBox()
-        inside = box.sceneBoundingRect().contains(scene)
-        return self._value(box.mapSceneToView(scene).x()) if inside else math.nan
-
-    def _point(self, scene: QPointF) -> None:
-        self.plots.pointed.emit(self._value_at(scene))
-
-    def _click(self, event: Any) -> None:
-        value = self._value_at(event.scenePos())
-        if event.button() is Qt.MouseButton.LeftButton and math.isfinite(value):
-            self.plots.moved.emit(value)
-            self.plots.released.emit()
-
-    def leaveEvent(self, event: QEvent) -> None:
-        super().leaveEvent(event)
-        self.plots.pointed.emit(math.nan)
+    def draw(self, painter: QPainter, area: QRectF) -> None:
+        plots = self.plots
+        index, span = plots.charts.index(self), plots.span
+        if span is None:
+            return
+        graph = plots.graphs[index]
+        metrics = QFontMetricsF(painter.font())
+        rows = (ordinate_ticks(_ordinate(each), area.height(), metrics) for each in plots.graphs)
+        left = max(room_for_ticks(ticks, metrics) for ticks in rows)  # so that frames line up
+        title = plots.label if index + plots.across >= len(plots.graphs) else ""
+        x = Axis(span.low, span.high, title, log=span.log)
+        chart = Chart(painter, area, x, _ordinate(graph), self.theme, left=left)
+        colour, frame = self.theme.curves[index % len(self.theme.curves)], chart.frame
+        chart.curve(graph.x, graph.y, colour)
+        if len(graph.x) <= _MOST_DOTS:
+            known = np.isfinite(graph.y)
+            chart.dots(graph.x[known], graph.y[known], colour, 2.0)
+        if plots.mark is not None and span.low <= plots.mark <= span.high:
+            place = frame.left() + span.share(plots.mark) * frame.width()
+            painter.setPen(QPen(QColor(self.theme.accent), 2.0))
+            painter.drawLine(QPointF(place, frame.top()), QPointF(place, frame.bottom()))
+        self.frame = frame.translated(self.pos())
 
 
 class TradeOffPlots(QWidget):
@@ -128,19 +98,21 @@ class TradeOffPlots(QWidget):
     released = Signal()  # mouse or key is up
     given_up = Signal()  # Esc during a drag
     pointed = Signal(float)  # (value): the mouse is at this abscissa; NaN where it is at none
+    _dragged: FigureChart | None = None
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
+        labelled(self, "tradeoff.plots", "Figures of merit; arrow keys change the parameter")
+        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        self.setMouseTracking(True)
+        self.setAutoFillBackground(True)
+        self.setBackgroundRole(QPalette.ColorRole.Base)
         self.graphs: tuple[Graph, ...] = ()
         self.span: Span | None = None
         self.mark: float | None = None
         self.label = ""
         self.across = 1
         self.charts: list[FigureChart] = []
-        labelled(self, "tradeoff.plots", "Figures of merit; arrow keys change the parameter")
-        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
-        self.setAutoFillBackground(True)
-        self.setBackgroundRole(QPalette.ColorRole.Base)
         self._hint = centred_hint("", self)
         self._grid = filled(QGridLayout(self), self._hint, spacing=0)
 
@@ -151,12 +123,12 @@ class TradeOffPlots(QWidget):
         while len(self.charts) < len(self.graphs):
             self.charts.append(FigureChart(self))
         self._place_charts()
+        self.update()
 
     def show_mark(self, value: float | None) -> None:
         if value != self.mark:
             self.mark = value
-            for chart in self.charts:
-                chart.show_mark()
+            self.update()
 
     def show_hint(self, text: str) -> None:
         show_or_hide(self._hint, text)
@@ -165,29 +137,39 @@ class TradeOffPlots(QWidget):
         super().resizeEvent(event)
         self._place_charts()
 
-    def changeEvent(self, event: QEvent) -> None:
-        super().changeEvent(event)
-        if event.type() == QEvent.Type.PaletteChange and hasattr(self, "_grid"):
-            self._place_charts()
-
     def _place_charts(self) -> None:
         """Beside one another as many as are wide enough and fill their rows."""
-        count, colours = max(1, len(self.charts)), theme_of(self).curves
+        count = max(1, len(self.charts))
         fitting = max(1, min(count, self.width() // (_WIDE * self.fontMetrics().height())))
         self.across = -(-count // -(-count // fitting))
-        for index, (chart, graph) in enumerate(zip(self.charts, self.graphs, strict=True)):
+        for index, chart in enumerate(self.charts):
             self._grid.addWidget(chart, *divmod(index, self.across))
-            label = self.label if index + self.across >= len(self.graphs) else ""
-            if self.span is not None:
-                chart.show_graph(graph, self.span, label, colours[index % len(colours)])
 
     def event(self, event: QEvent) -> bool:
-        for chart in self.charts if is_escape(event) else ():
-            if chart.line.moving:
-                chart.line.moving = False
-                self.given_up.emit()
-                event.accept()
+        if self._dragged is not None and is_escape(event):
+            self._dragged = None
+            self.given_up.emit()
+            event.accept()
         return bool(super().event(event))
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        if event.button() == Qt.MouseButton.LeftButton:
+            self._dragged = self._chart_at(event.position())
+            self._drag(event.position())
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+        self._drag(event.position())
+        chart = self._chart_at(event.position())
+        self.pointed.emit(math.nan if chart is None else self._value(chart, event.position()))
+
+    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
+        if self._dragged is not None and event.button() == Qt.MouseButton.LeftButton:
+            self._dragged = None
+            self.released.emit()
+
+    def leaveEvent(self, event: QEvent) -> None:
+        super().leaveEvent(event)
+        self.pointed.emit(math.nan)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         steps = _STEPS.get(Qt.Key(event.key()))
@@ -201,6 +183,17 @@ class TradeOffPlots(QWidget):
         super().keyReleaseEvent(event)
         if event.key() in _STEPS and not event.isAutoRepeat():
             self.released.emit()
+
+    def _chart_at(self, point: QPointF) -> FigureChart | None:
+        return next((chart for chart in self.charts if chart.frame.contains(point)), None)
+
+    def _value(self, chart: FigureChart, point: QPointF) -> float:
+        assert self.span is not None
+        return float(self.span.value_at((point.x() - chart.frame.left()) / chart.frame.width()))
+
+    def _drag(self, point: QPointF) -> None:
+        if self._dragged is not None:
+            self.moved.emit(self._value(self._dragged, point))
 
 
 def _ordinate(graph: Graph) -> Axis:

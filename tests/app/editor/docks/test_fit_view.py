@@ -70,7 +70,7 @@ def test_a_number_is_freed_fitted_taken_and_undone(fitting, files, qtbot):
     window, view = fitting, fitting.fitting
     assert not view.fit.isEnabled()
     assert not view.table.isVisible()  # only what to do is in sight
-    assert view.hint.isVisible()
+    assert view.chart.hint.isVisible()
     field, entry = right_click(window, "sigma_x_mrad", "free")
     assert "not saved" in entry.toolTip()
     assert field.label.text().endswith("free")
@@ -91,7 +91,7 @@ def test_a_number_is_freed_fitted_taken_and_undone(fitting, files, qtbot):
     assert view.outcome.chi2_per_degree == pytest.approx(1.0, abs=0.1)
     assert window.session.document.network is before
     assert any(isinstance(what, tuple) for what in seen)  # drawn as the values changed
-    assert not view.hint.isVisible()
+    assert not view.chart.hint.isVisible()
     drawn = view.chart.edge
     assert len(drawn.distance) > 200
     assert float(np.std(drawn.sample - drawn.spread)) == pytest.approx(20.0 / 3000.0, rel=0.2)

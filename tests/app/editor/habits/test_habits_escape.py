@@ -73,9 +73,8 @@ def test_escape_gives_up_whatever_is_dragged(opened, idle):
     window.viewers.trade_off("blur", "sigma_x_mrad")
     idle(window)
     plots, span = window.viewers.tradeoff.plots, window.viewers.tradeoff.span
-    values = (before, *(span.low + part * (span.high - span.low) for part in (0.5, 0.6)))
-    places = [place_in(plots, 0, x).toPoint() for x in values]
-    dragged, after = held(plots.charts[0].viewport(), places, sigma)
+    shares = (span.low + part * (span.high - span.low) for part in (0.3, 0.5, 0.6))
+    dragged, after = held(plots, [place_in(plots, 0, x).toPoint() for x in shares], sigma)
     assert dragged != before
     assert after == [before] * 3
     assert window.session.document.position == steps

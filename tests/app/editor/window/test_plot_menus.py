@@ -114,6 +114,8 @@ def test_every_plot_has_its_menu(window, idle, tmp_path):
     # A fit gives its samples.
     chart = window.fitting.chart
     window.fit_dock.show()
+    assert NUMBERS not in names(menu_of(chart))
+    opened().close()
     chart.show_edge(DrawnEdge("edge", np.arange(3.0), np.arange(3.0), np.ones(3)))
     choose(menu_of(chart), NUMBERS)
     assert copied_rows() == [
