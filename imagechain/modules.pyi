@@ -762,7 +762,8 @@ def atmosphere_mtf(
     fwhm_mrad : float | Expression
         full width at half maximum of the blur [mrad]: a number of at least 0; default 0.0
     fried_r0_m : float | Expression | None
-        Fried's r0; empty: computed from Cn² [m]: a number of at least 0 or empty; default empty
+        Fried parameter r0; empty: computed from Cn² [m]: a number of at least 0 or empty; default
+        empty
     wavelength_um : float | Expression | None
         wavelength of the blur; empty: the middle of the band, or of each band of a cube [µm]: a
         number of at least 0 or empty; default empty

@@ -18,10 +18,10 @@ if TYPE_CHECKING:
 
 # Of what changes from frame to frame: what stays is the scene's as well.
 TEMPORAL = {
-    "tvh": "noise that is random from sample to sample and from frame to frame",
-    "t": "temporal noise of whole frames",
-    "tv": "temporal noise of whole rows",
-    "th": "temporal noise of whole columns",
+    "tvh": "random noise of each sample",
+    "t": "frame-to-frame noise",
+    "tv": "temporal row noise",
+    "th": "temporal column noise",
 }
 _GAMMA = {
     "usual": "8-bit values in this format are usually gamma-encoded",

@@ -112,10 +112,10 @@ def geometry_table(
     if not laid.level:
         finer = laid_footprints(work, strips=FINER * strips, **how)
         error = strips_error(scene=scene, laid=laid, finer=finer, between_samples=between_samples)
-    where = "edge of the covered ground, measured from the scene's centre"
+    where = "edge of the ground coverage, measured from the scene's centre"
     samples = "scene samples per camera sample at the centre"
     return TableData.of(
-        ("swath_m", swath_m(camera), "m", "ground covered by the middle line"),
+        ("swath_m", swath_m(camera), "m", "swath width at the middle line"),
         ("left_m", bounds.left, "m", where),
         ("right_m", bounds.right, "m", where),
         ("top_m", bounds.top, "m", where),
@@ -299,7 +299,7 @@ class CameraGeometry(Module, key="camera_geometry", title="Camera Geometry", gro
             ),
         )
         return Preview(
-            f"field {brief(field_deg(camera=camera))}°, ground sample "
+            f"field of view {brief(field_deg(camera=camera))}°, ground sample "
             f"{pair(*_sample(camera, 0.5))} m at the centre, "
             f"{pair(*max(sizes[:, 0], sizes[:, -1], key=tuple))} m at the line's end",
             (drawn,),

@@ -93,7 +93,7 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
     formulas = (
         Formula(
             r"\mathrm{MRTD}(f)=\frac{\pi^2}{8}\;\frac{\mathrm{SNR}_{th}\,\sigma_p(f)}{H(f)}",
-            where="σ_p: noise in K that remains after the eye has averaged over a bar (1/(2f) "
+            where="σ_p: perceived noise in K, averaged by the eye over a bar (1/(2f) "
             "by 7/(2f)) and over time; H: MTF of the chain",
         ),
         Formula(
@@ -380,13 +380,13 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
          "bars are not resolved.", "mrtd_x_50_percent_nyquist"),
         ("mrtd_y_K", "K", "MRTD for horizontal bars at half the Nyquist frequency; left out if "
          "the bars are not resolved.", "mrtd_y_50_percent_nyquist"),
-        ("detection_range_km", "km", "Range at which half of the observers detect the target "
+        ("detection_range_km", "km", "Range at which the probability of detection is one half "
          "(Johnson)."),
-        ("recognition_range_km", "km", "Range at which half of the observers recognize the target "
-         "(Johnson)."),
-        ("identification_range_km", "km", "Range at which half of the observers identify the "
-         "target (Johnson)."),
-        ("ttp_range_km", "km", "Range at which half of the observers succeed in the task (TTP)."),
+        ("recognition_range_km", "km", "Range at which the probability of recognition is one "
+         "half (Johnson)."),
+        ("identification_range_km", "km", "Range at which the probability of identification is one "
+         "half (Johnson)."),
+        ("ttp_range_km", "km", "Range at which the probability of success is one half (TTP)."),
     )  # fmt: skip
 
 

@@ -202,7 +202,8 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
         return Caution(
             "the SNR is an estimate: the scene is not in reflectance, so a mean reflectance of "
             "15 % is assumed, and 8/15 of the mean signal is used as the contrast",
-            "add Reflected Light, enter snr, or set snr_of to mean",
+            "use a scene in reflectance with Reflected Light; if there is none, enter snr or set "
+            "snr_of to mean",
         )
 
     @warning

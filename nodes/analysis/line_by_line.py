@@ -299,7 +299,7 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
     def _line_spacing_m(self, context: wires.Context) -> float:
         if self.spacing == "typed":
             if self.line_spacing_m is None:
-                allowed = "give the line spacing, or set spacing to frame or flight"
+                allowed = "give the line spacing, because spacing is typed"
                 raise ParameterError("line_spacing_m", None, allowed)
             return self.line_spacing_m
         velocity = abs(context.velocity_m_per_s)
@@ -309,7 +309,7 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
             ("scan_velocity_mrad_per_s", turns_per_s),
         ):
             if value == 0.0:
-                allowed = "give a value on Init & Trans, or set spacing to frame or typed"
+                allowed = "give a value on Init & Trans, because spacing is flight"
                 raise ParameterError(name, None, allowed)
         return velocity / turns_per_s
 

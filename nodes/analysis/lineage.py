@@ -289,7 +289,7 @@ class NoiseOf(Recipe):
 
     @property
     def in_words(self) -> str:
-        return "propagating noise through filters and patterns"
+        return "propagating noise and fixed patterns through filters"
 
     @property
     def in_blocks(self) -> bool:
@@ -326,9 +326,9 @@ class NoiseOf(Recipe):
         if work.blocks is not None and work.blocks.disk.wants(self.image.shape, np.float64):
             names = ", ".join(dict.fromkeys(noise.name for noise in noises if noise.pattern))
             raise DataError(
-                f"a known pattern ({names}) of {self.image.rows} × {self.image.columns} samples "
-                f"must be computed in one piece, but {amount_text(work.blocks.disk.memory_bytes)} "
-                "of memory is not enough",
+                f"fixed-pattern noise ({names}) of {self.image.rows} × {self.image.columns} "
+                "samples must be computed in one piece, but "
+                f"{amount_text(work.blocks.disk.memory_bytes)} of memory is not enough",
                 hint="raise the memory limit with --memory",
             )
         without = noise_free(picture)

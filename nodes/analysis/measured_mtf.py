@@ -326,7 +326,7 @@ def table_of(
         ("nyquist", NYQUIST * factor, unit_of_axis, "Nyquist frequency: half a cycle per pixel"),
         ("at_nyquist", measured.nyquist[0], "", "MTF at Nyquist"),
         ("at_nyquist_error", measured.nyquist[1], "", "standard error of at_nyquist"),
-        ("contrast", measured.contrast, unit, "step of the edge, or height of the line"),
+        ("contrast", measured.contrast, unit, "height of the step (edge) or of the peak (line)"),
         ("noise", measured.noise, unit, "standard deviation of the noise in one sample"),
         ("expected_mtf50", one and scaled(one.mtf50), unit_of_axis,
          "frequency at which the chain's own MTF falls to 0.5"),

@@ -157,13 +157,13 @@ def measured_in_file(work: Work, *, path: Path, stamps: tuple[Stamp, ...]) -> Me
 
 
 MEANINGS = {
-    "tvh": "noise that varies from sample to sample and from frame to frame",
-    "vh": "fixed noise of single samples",
-    "v": "fixed noise of whole rows",
-    "h": "fixed noise of whole columns",
-    "t": "temporal noise of whole frames",
-    "tv": "temporal noise of whole rows",
-    "th": "temporal noise of whole columns",
+    "tvh": "random noise of each sample",
+    "vh": "fixed pattern of each sample",
+    "v": "fixed row noise",
+    "h": "fixed column noise",
+    "t": "frame-to-frame noise",
+    "tv": "temporal row noise",
+    "th": "temporal column noise",
 }
 
 

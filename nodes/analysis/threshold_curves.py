@@ -106,8 +106,8 @@ def sensitivity(
     band = {"cut_on_um": band_um[0], "cut_off_um": band_um[1]}
     if seen.unknown:
         raise DataError(
-            f"the noise before {', '.join(seen.unknown)} cannot be computed for this picture: "
-            "connect the picture as the sensor samples it"
+            f"the noise after {', '.join(seen.unknown)} cannot be computed: "
+            "connect a picture from an earlier stage"
         )
     if gain is None:
         raise DataError(
@@ -278,13 +278,13 @@ TASKS = ("detection", "recognition", "identification")
 _POINTS = 201
 _LEAST = 0.1  # of the easiest task, where the curve ends by itself
 _MEANINGS = {
-    "tvh": "random noise",
-    "vh": "fixed pattern, pixel by pixel",
-    "v": "fixed pattern, row by row",
-    "h": "fixed pattern, column by column",
-    "t": "frame-to-frame flicker",
-    "tv": "row flicker",
-    "th": "column flicker",
+    "tvh": "random noise of each sample",
+    "vh": "fixed pattern of each sample",
+    "v": "fixed row noise",
+    "h": "fixed column noise",
+    "t": "frame-to-frame noise",
+    "tv": "temporal row noise",
+    "th": "temporal column noise",
 }
 
 
@@ -488,7 +488,7 @@ def merit_table(
                 values[name] = at_frequency(thresholds.frequency, curve, share * nyquist)
             rows.append(row(name, "K", f"MRTD along {axis} at {text}"))
     rows += [
-        row(f"{t}_range_km", "km", f"range at which the {t} probability is one half (Johnson)")
+        row(f"{t}_range_km", "km", f"range at which the probability of {t} is one half (Johnson)")
         for t in TASKS
     ]
     rows.append(

@@ -55,7 +55,7 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
         Formula(
             r"H=\exp\left[-3.44\left(\frac{\lambda\rho}{r_0}\right)^{5/3}\left(1-\alpha\left("
             r"\frac{\lambda\rho}{D}\right)^{1/3}\right)\right]",
-            where="λρ: in mm; r₀: Fried's diameter; D: aperture; α: 0 for a long exposure; "
+            where="λρ: in mm; r₀: Fried parameter; D: aperture; α: 0 for a long exposure; "
             "the last bracket is never below 0",
             when="turbulence long_exposure, short_exposure",
         ),
@@ -77,7 +77,7 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
     )
     fwhm_mrad: float = param(0.0, "full width at half maximum of the blur", low=0, slider=(0, 5))
     fried_r0_m: float | None = param(
-        None, "Fried's r0; empty: computed from Cn²", low=0, slider=(0.005, 1)
+        None, "Fried parameter r0; empty: computed from Cn²", low=0, slider=(0.005, 1)
     )
     wavelength_um: float | None = param(
         None,
@@ -282,7 +282,7 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
 
     @readout("m")
     def r0_m(self, context: Context) -> float | None:
-        """Fried's r0 at the blur's wavelength, entered or from Cn²; empty if not used."""
+        """Fried parameter r0 at the blur's wavelength, entered or from Cn²; empty if not used."""
         if self.turbulence in ("gaussian", "none"):
             return None
         if self.fried_r0_m is not None:

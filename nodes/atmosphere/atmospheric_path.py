@@ -164,7 +164,7 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
         band = image.band_um
         if band is None and not (air.is_grey and air.air_K is None and not air.radiance):
             raise DataError(
-                "the image has no band, so the air's transmission and radiance are "
+                "the image has no band, so the transmission and path radiance are "
                 "unknown: set cut_on_um and cut_off_um on Read Image"
             )
         if band is not None:
@@ -336,7 +336,7 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
     figures = TableFigures(
         ("transmission", "", "Mean transmission over the band, weighted by the spectrum of the "
                              "light."),
-        ("path_radiance", "W/m²/sr", "Radiance that the air adds in the band."),
+        ("path_radiance", "W/m²/sr", "Path radiance, integrated over the band."),
         ("optical_depth", "", "Optical depth: −ln of the band's transmission; empty if no light "
          "passes."),
     )  # fmt: skip
@@ -419,11 +419,11 @@ def path_table(
     weighted_by = None if air.is_grey else (scene_K[0] if scene_K else source_K)
     rows: list[tuple[Any, ...]] = [
         ("transmission", over.transmission, "", "mean transmission over the band"),
-        ("path_radiance", over.path_radiance, "W/m²/sr", "radiance that the air adds in the band"),
-        ("optical_depth", depth, "", "−ln of the transmission; empty if no light passes"),
+        ("path_radiance", over.path_radiance, "W/m²/sr", "path radiance, integrated over the band"),
+        ("optical_depth", depth, "", "−ln of the mean transmission; empty if no light passes"),
         ("range_m", air.range_m, "m", "range for which the transmission holds"),
         ("weighted_by_K", weighted_by, "K",
-         "temperature of the black body that weights the transmission"),
+         "temperature of the black body whose spectrum weights the mean"),
     ]  # fmt: skip
     places = np.empty(0) if band_um is None else np.linspace(*band_um, _LISTED)
     values = zip(places, np.exp(-air.depth(places)), air.added(places), strict=True)

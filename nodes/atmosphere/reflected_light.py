@@ -64,7 +64,7 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
         ),
         Formula(
             r"L'=L\;\frac{E_v}{683\int V(\lambda)\,E(\lambda)\,d\lambda}",
-            where="E_v: illuminance_lux; V: sensitivity of the light-adapted eye; E: irradiance "
+            where="E_v: illuminance_lux; V: photopic luminous efficiency; E: irradiance "
             "on the ground, W/m²/µm",
             when="illuminance_lux is given",
         ),
@@ -206,7 +206,7 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
         return Step.of(bright_caution, image.recipe, share=share)
 
     figures = TableFigures(
-        ("air_mass", "", "Air mass: the sun's path through the air, relative to a vertical path."),
+        ("air_mass", "", "Air mass: the Sun's path through the air, relative to a vertical path."),
         (
             "irradiance",
             "W/m²",
@@ -292,7 +292,7 @@ def bright_caution(work: Work, image: Array, *, share: float) -> Caution | None:
         return None
     looks = "; they look like percentages" if share == 1.0 and float(np.mean(image)) > 1.0 else ""
     return Caution(
-        f"the largest reflectance is {most:.4g}, but a matt surface reflects at most 1{looks}",
+        f"samples reach a reflectance of {most:.4g}, but a matt surface reflects at most 1{looks}",
         "on Read Image, set the unit of the samples (% or 1) or a scale",
     )
 
@@ -305,5 +305,5 @@ def light_table(work: Work, *, light: Sunlight, band_um: tuple[float, float]) ->
         ("white_radiance", total / math.pi, "W/m²/sr", "radiance of a surface of reflectance 1"),
         ("illuminance", lux, "lx", "illuminance on a horizontal surface"),
         ("air_mass", relative_air_mass(elevation_deg=light.elevation_deg), "",
-         "the sun's path through the air, relative to a vertical path"),
+         "the Sun's path through the air, relative to a vertical path"),
     )  # fmt: skip

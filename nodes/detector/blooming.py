@@ -29,8 +29,8 @@ class Blooming(OfPixels, key="blooming", title="Blooming", group="Detector"):
     formulas = (
         Formula(
             r"L'_r=L_r-a\max(L_r-w,0)+\frac{u_{r-1}-2u_r+u_{r+1}}{2}\leq w",
-            where="w: full_well; a: share that the drain removes; u ≥ 0: charge that each row "
-            "passes on, just enough to leave no pixel above w",
+            where="w: full_well; a: share of the excess that the anti-blooming drain removes; "
+            "u ≥ 0: charge that each row passes on, just enough to leave no pixel above w",
         ),
     )
 

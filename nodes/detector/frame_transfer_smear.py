@@ -36,7 +36,7 @@ class FrameTransferSmear(
     formulas = (
         Formula(
             r"L'_r=L_r+\frac{t_l}{t}\sum_{k\neq r}L_k",
-            where="r: a row; k: the other rows of the column, or only the rows on one side; t_l: "
+            where="r: a row; k: the other rows of the column that `passed` selects; t_l: "
             "line_transfer_time_s; t: integration_time_s",
         ),
     )

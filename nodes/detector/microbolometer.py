@@ -395,7 +395,7 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
         ("noise_radiance", "W/m²/sr", "Temporal noise as scene radiance."),
         ("snr", "", "SNR: mean signal over temporal noise."),
         ("scene_K", "K", "Brightness temperature of the picture's mean."),
-        ("lag_percent", "%", "Fraction of a change that remains after one frame."),
+        ("lag_percent", "%", "Lag: fraction of a change that remains after one frame."),
     )
 
 

@@ -155,8 +155,8 @@ class Nuc(SeededModule, key="nuc", title="Non-Uniformity Correction", group="Det
         )
 
     figures_0 = TableFigures(
-        ("pattern_low", "", "Rms spread between pixels at the cooler reference, uncorrected."),
-        ("pattern_high", "", "Rms spread between pixels at the warmer reference, uncorrected."),
+        ("pattern_low", "", "Rms non-uniformity at the cooler reference, uncorrected."),
+        ("pattern_high", "", "Rms non-uniformity at the warmer reference, uncorrected."),
         unit_of="image",
     )
     figures_1 = TableFigures(
@@ -191,9 +191,9 @@ def figures(work: Work, low: Array, high: Array, *, kelvin: float, unit: str) ->
     weak = np.count_nonzero(~((high - low) > focal_plane_array.LEAST_RESPONSE * rise))
     return TableData.of(
         ("pattern_low", float(np.std(low)), unit,
-         "rms spread between pixels at the cooler reference"),
+         "rms non-uniformity at the cooler reference"),
         ("pattern_high", float(np.std(high)), unit,
-         "rms spread between pixels at the warmer reference"),
+         "rms non-uniformity at the warmer reference"),
         ("response_per_kelvin", rise / kelvin, f"{unit}/K", "mean response between the references"),
         ("weak_pixels", int(weak), "", "number of pixels whose response is too small to correct"),
     )  # fmt: skip

@@ -58,8 +58,8 @@ class SpectralResponse(
         ),
         Formula(
             r"L'=L\;\frac{\int R\,L_B(\lambda,T)\,d\lambda}{\int L_B(\lambda,T)\,d\lambda}",
-            where="L_B: spectrum of a black body at source_K, at the picture's mean brightness "
-            "temperature, or at 5800 K (sunlight)",
+            where="L_B: spectrum of a black body at source_K; if source_K is empty, at the mean "
+            "brightness temperature, or at 5800 K (sunlight) for a band that begins below 2.5 µm",
             when="a picture of one band",
         ),
     )

@@ -39,8 +39,8 @@ class TdiMTF(MtfModule, key="tdi_mtf", title="TDI MTF", group="Detector"):
         Formula(
             r"H(f)=\mathrm{sinc}\left[(1+m)\,s\,f\right]\;\frac{\sin(\pi N m s f)}{N\,\sin(\pi "
             r"m s f)}",
-            where="m: image velocity over charge velocity, minus 1; s: pitch over phases, "
-            "mrad; N: stages times phases",
+            where="m: velocity mismatch, image velocity over charge velocity minus 1; s: pitch "
+            "over phases, mrad; N: stages times phases",
         ),
     )
 

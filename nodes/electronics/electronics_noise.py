@@ -81,8 +81,8 @@ class ElectronicsNoise(
         Formula(
             r"\mathrm{NEP}=\frac{\sqrt{A\,\Delta f}}{D^*},\quad\mathrm{NER}=\frac{\mathrm{NEP}"
             r"\;G_\#}{A},\quad G_\#=\frac{1+4F^2}{\pi\,\tau_o\,\tau_f\left(1-\varepsilon^2\right)}",
-            where="A: sensitive area of the detector; Δf: bandwidth; D*: detectivity over the "
-            "band; τ: transmissions of optics and filter",
+            where="A: sensitive area of the detector; Δf: bandwidth; D*: specific "
+            "detectivity over the band; τ: transmissions of optics and filter",
         ),
         Formula(
             r"\Delta f=\frac{1}{2\,\tau},\quad\mathrm{NETD}=\frac{\sqrt{\mathrm{NER}^2+"

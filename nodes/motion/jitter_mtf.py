@@ -19,7 +19,7 @@ class JitterMTF(MtfModule, key="jitter_mtf", title="Jitter MTF", group="Motion")
     formulas = (
         Formula(
             r"H(\xi,\eta)=e^{-2\pi^2\sigma^2(\xi^2+\eta^2)}",
-            where="σ: rms motion per axis within an exposure, mrad",
+            where="σ: rms jitter per axis within an exposure, mrad",
         ),
     )
 

@@ -27,10 +27,10 @@ _EARTH_M_PER_S = (
 _GIVEN = ("pixels_x", "pixels_y", "fill_x", "fill_y", "obscuration_ratio", "t_number", "irradiance")
 _ORBIT = (
     ("elevation_deg", "deg", "Elevation of the line of sight at the target."),
-    ("ground_speed_m_per_s", "m/s", "Speed of the point below the satellite."),
+    ("ground_speed_m_per_s", "m/s", "Ground speed of the subsatellite point."),
     ("velocity_m_per_s", "m/s", "Velocity of the scene across the line of sight."),
-    ("gsd_ground_x_m", "m", "Horizontal sample distance, projected onto the ground."),
-    ("gsd_ground_y_m", "m", "Vertical sample distance, projected onto the ground."),
+    ("gsd_ground_x_m", "m", "Horizontal GSD, projected onto the ground."),
+    ("gsd_ground_y_m", "m", "Vertical GSD, projected onto the ground."),
     ("line_rate_Hz", "Hz", "Line rate at which the image moves by one pixel per line."),
 )
 
@@ -74,7 +74,7 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
             r"\Omega=\frac{\pi}{4F^2+1}\left(1-\varepsilon^2\right)\ \mathrm{(disc)},\quad"
             r"\Omega=\frac{\pi}{4F^2}\left(1-\varepsilon^2\right)\ \mathrm{(sine)},\quad"
             r"\tau\,\Omega=\Omega(T,\varepsilon=0)",
-            where="Ω: solid angle of the light cone, sr; ε: obscuration; T: T-number; τ: "
+            where="Ω: projected solid angle of the optics, sr; ε: obscuration; T: T-number; τ: "
             "transmission",
         ),
         Formula(

@@ -395,7 +395,7 @@ class FreeTable(CopiedTable):
             flags = Qt.ItemFlag.ItemIsEnabled | Qt.ItemFlag.ItemIsSelectable
             if column in _LIMITS:
                 flags |= Qt.ItemFlag.ItemIsEditable
-                item.setToolTip(tip("Limit for the fit; if empty, the parameter's own limit"))
+                item.setToolTip(tip("Limit for the fit; empty: the parameter's own limit"))
             item.setFlags(flags)
             if column not in (0, _UNIT):
                 item.setTextAlignment(RIGHT)

@@ -396,7 +396,7 @@ class SnapshotList(QtWidgets.QTreeWidget):
         super().__init__(rootIsDecorated=False)
         self._snapshots = snapshots
         labelled(
-            self, "snapshots.list", "Snapshots: F2 renames, Del deletes, Enter goes back",
+            self, "snapshots.list", "Snapshots: F2 renames, Del deletes, Enter restores",
             "The selected snapshot is A. Press F2 to rename this snapshot, Del to delete it or "
             "Enter to restore it",
         )  # fmt: skip

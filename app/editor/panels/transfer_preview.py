@@ -210,7 +210,7 @@ def _in_words(part: Part, x: TransferLine, y: TransferLine) -> str:
     )
     text += _both(x.at_nyquist, y.at_nyquist, unit)
     if x.half is not None or y.half is not None:
-        text += f"; half contrast at {_both(x.half, y.half, ' cyc/mrad')}"
+        text += f"; MTF50 {_both(x.half, y.half, ' cyc/mrad')}"
     if x.cutoff is not None and y.cutoff is not None:
         text += f"; cutoff {_both(x.cutoff, y.cutoff, ' cyc/mrad')}"
     return text

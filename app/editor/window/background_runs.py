@@ -142,7 +142,7 @@ KINDS: tuple[tuple[Kind, str], ...] = (
     ("files", "Pictures, one after the other"),
     ("run", "One run that also writes the network's files"),
 )
-FORM = "FROM:TO:COUNT, FROM:TO:COUNT:log, or a list a,b,c"
+FORM = "FROM:TO:COUNT, FROM:TO:COUNT:log (logarithmic), or a list a,b,c"
 _USUAL_COUNT, _USUAL_FRAMES = 5, 16
 
 

@@ -129,7 +129,7 @@ class HandbookOpening(QObject):
 # fmt: off
 BESIDE_ACTIONS = (
     ("Canvas", "Move the selection", "arrow keys",
-     "Shift: by one unit, or resize the selected backdrop"),
+     "Shift: by one unit; with only a backdrop selected, resize it"),
     ("Canvas", "Go to the next node", "Ctrl with arrow keys",
      "Shift: add the node to the selection"),
     ("Canvas", "Open", "Return", "The panel of the selected node, or a backdrop's title"),

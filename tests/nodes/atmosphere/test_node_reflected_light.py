@@ -132,7 +132,7 @@ def test_reflectances_that_are_none(lit):
     with pytest.raises(ImagechainError, match=r"reflectance: the smallest sample is -0.1"):
         bench.value("light.image")
     (text,) = warned(lit({}, samples=100 * SHARES))
-    assert "the largest reflectance is 100" in text
+    assert "samples reach a reflectance of 100" in text
     assert "look like percentages" in text
     assert warned(lit({})) == []
 

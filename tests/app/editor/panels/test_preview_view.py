@@ -139,7 +139,7 @@ def test_it_goes_with_its_panel(qtbot, session, bench):
 def test_the_essential_numbers_are_told_in_words_and_nothing_of_what_waits(session, bench):
     widget = bench.show(sensor("jitter_mtf", {"sigma_mrad": 0.6}))
     assert told(widget) == (
-        "MTF at the Nyquist frequency 0.489 cyc/mrad: 0.183; half contrast at 0.312 cyc/mrad"
+        "MTF at the Nyquist frequency 0.489 cyc/mrad: 0.183; MTF50 0.312 cyc/mrad"
     )
     session.do(remove_nodes(("scene",)))
     bench.settle()
