@@ -283,7 +283,7 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
         if self.model in ("extinction_per_km", "visibility_km", "modtran_tables"):
             return Caution(
                 f"path is not used by model = {self.model}",
-                "set model to transmission or modtran, or leave path empty",
+                "set model to transmission or modtran to use the file, or leave path empty",
             )
         return None
 

@@ -449,7 +449,8 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
         return Caution(
             f"the band begins at {shortest:g} µm, where radiance has no brightness temperature: "
             f"photons are weighted with the spectrum of a source at {self.source_K:g} K",
-            "set photon_weighting to source or middle; NETD is then left out",
+            "set photon_weighting to source to accept this spectrum, or to middle to use the "
+            "band's middle wavelength; NETD is then left out",
         )
 
     @warning

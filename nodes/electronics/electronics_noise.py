@@ -491,7 +491,7 @@ class ElectronicsNoise(
         velocity = self.scan_velocity(context)
         if self.post_corner_Hz is None or velocity == 0:
             allowed = (
-                "the post filter needs a corner frequency, and scan_mirror_rate_Hz or a scan "
+                "the post filter needs post_corner_Hz, and also scan_mirror_rate_Hz or a scan "
                 "velocity on Init & Trans"
             )
             raise ParameterError("post_corner_Hz", self.post_corner_Hz, allowed)

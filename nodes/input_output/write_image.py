@@ -110,13 +110,13 @@ class WriteImage(
         others = (ENVI_FRAMES, ZARR) if wanted is None else (wanted,)
         known = next((kind for kind in (*WRITTEN, *others) if kind.matches(path)), None)
         if known is not None and wanted not in (None, known):
-            allowed = f"choose by_suffix, or the format of {self.path.name}"
+            allowed = f"the name {self.path.name} has another format's suffix; choose by_suffix"
             raise ParameterError("format", self.format, allowed)
         if known is not None:
             return path
         if wanted is None:
             endings = ", ".join(suffixes(*WRITTEN, ENVI_FRAMES, ZARR))
-            allowed = f"choose a format, or end the name in {endings}"
+            allowed = f"no format has this suffix; choose a format, or end the name in {endings}"
             raise ParameterError("path", self.path.as_posix(), allowed)
         return path.with_name(path.name + wanted.suffixes[0])
 

@@ -60,7 +60,7 @@ def source_temperature(
         return SUNLIGHT_K
     image = magnitude.image
     if image is None:
-        allowed = "no picture is connected to derive it from; give a temperature"
+        allowed = "there is no picture to derive the temperature from; give a value"
         raise ParameterError("source_K", None, allowed)
     if image.unit.strip() in _KELVIN:
         return Step.of(mean_kelvin, image.recipe, node=node)

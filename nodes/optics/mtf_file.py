@@ -130,7 +130,7 @@ class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics")
         """What cycles/mrad across and along are multiplied by to be in the file's unit."""
         unit = table.unit if self.frequency_unit == "file" else self.frequency_unit
         if table.unit not in (None, unit):
-            allowed = f"choose file or {table.unit}, the unit that {table.file.name} names"
+            allowed = f"the table {table.file.name} is in {table.unit}; choose {table.unit} or file"
             raise ParameterError("frequency_unit", self.frequency_unit, allowed)
         if unit is None:
             allowed = (

@@ -214,7 +214,7 @@ def test_bad_files_are_one_clear_line(tmp_path, text, words):
     ("params", "words"),
     [
         ({"direction": "y"}, ""),
-        ({"frequency_unit": "cyc/mrad"}, "choose file or cyc/mm, the unit that lens.csv names"),
+        ({"frequency_unit": "cyc/mrad"}, "the table lens.csv is in cyc/mm; choose cyc/mm or file"),
     ],
 )
 def test_what_does_not_fit_the_file(tmp_path, params, words):
