@@ -360,7 +360,7 @@ class Images(Mapping[str, NDArray[Any]]):
         return ports_of_images(self._result._plan)
 
     def __len__(self) -> int:
-        return len([*self])
+        return sum(1 for _ in self)
 
     def __repr__(self) -> str:
         return f"<images: {', '.join(self)}>"

@@ -49,6 +49,7 @@ def test_a_shipped_network_gives_what_the_command_writes(kodak, tmp_path, monkey
     written = np.load(tmp_path / "quiet.npy")
     assert result.final == port
     assert result.image().tobytes() == result.images[port].tobytes() == written.tobytes()
+    assert len(result.images) == len([*result.images])
     assert result.image().dtype == written.dtype
     assert not result.image().flags.writeable
     folder = tmp_path / "kodak_kir310-output"
