@@ -241,7 +241,8 @@ def found_by(declared: Declaration) -> tuple[str, str, str]:
 def rank(texts: tuple[str, str, str], typed: str) -> int | None:
     """How well typed words fit, 1 the best; 0 where none is typed, None where one does not occur.
 
-    1 where they are the whole title or key, in any order; then in how many texts all are found.
+    1 where they are the whole title or key, in any order; then in how many texts all are found;
+    last a word that is a title or key with letters left out.
     """
     words = typed.casefold().split()
     if not words:
@@ -253,4 +254,12 @@ def rank(texts: tuple[str, str, str], typed: str) -> int | None:
         known = " ".join(texts[:count])
         if all(word in known for word in words):
             return count + 1
+    if len(words) == 1 and any(_abbreviates(words[0], line) for line in texts[0].splitlines()[:2]):
+        return len(texts) + 2
     return None
+
+
+def _abbreviates(word: str, name: str) -> bool:
+    """Whether a word of three letters or more is a name with some left out: `gsmtf`."""
+    left = iter(name.replace("_", "").replace(" ", ""))
+    return len(word) >= 3 and name[:1] == word[0] and all(c in left for c in word)

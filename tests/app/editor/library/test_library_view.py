@@ -83,6 +83,7 @@ def test_words_of_the_trade_find_their_module(view, chosen):
         ("NETD", "figures_of_merit", {"electronics_noise"}),
         ("fixed pattern", "focal_plane", {"electronics_noise", "noise_3d"}),
         ("blur", "spatial_blur", {"gaussian_mtf", "jitter_mtf", "diffraction_mtf"}),
+        ("gsmtf", "gaussian_mtf", set()),
     ):
         view.filter.clear()
         QTest.keyClicks(view.filter, typed)
