@@ -101,8 +101,8 @@ def _noise(measured: PictureMeasurement) -> list[Block]:
         Heading(2, "Temporal noise"),
         Grid(heads, told.frame_rows(measured), numbers=(1,)),
         Text(
-            "The pattern that stays the same from frame to frame includes the scene. To measure "
-            "fixed patterns, give frames of a uniform field to imagechain photon-transfer."
+            "The fixed pattern of these frames includes the scene. To measure "
+            "fixed-pattern noise, give frames of a uniform field to imagechain photon-transfer."
         ),
     ]
 

@@ -101,7 +101,7 @@ class TransferMeasurement:
         curve, lines = self.curve, []
         if curve.dark_cut_off:
             lines.append(
-                f"{self.dark}: the noise reaches 0, where the converter clips it, so these dark "
+                f"{self.dark}: the converter clips the noise at 0, so these dark "
                 "frames are not used. Raise the camera's offset, or give --offset-dn"
             )
         elif curve.offset_dn is None:
@@ -328,7 +328,7 @@ def _rows(measured: NetdMeasurement) -> list[Row]:
          "σ_tvh (noise random in time, row and column) divided by SiTF"),
         ("netd_error_K", middle.netd_error, "K", "standard error of NETD"),
         ("temporal_K", middle.temporal_K, "K",
-         "all noise that changes from frame to frame, divided by SiTF"),
+         "all temporal noise, divided by SiTF"),
         *effective,
     ]  # fmt: skip
 
@@ -380,7 +380,8 @@ def _remarks(measured: NetdMeasurement) -> list[str]:
     if few < _FEW:
         lines.append(
             f"with only {few} frames, the temporal noise of whole frames, rows and columns is "
-            f"uncertain, and fixed noise is known only down to NETD/√{few}. Take 64 frames or more"
+            f"uncertain, and fixed-pattern noise is known only down to NETD/√{few}. Take 64 frames "
+            "or more"
         )
     bad = max(field.field.bad for _, field in files)
     if bad:

@@ -396,13 +396,13 @@ _MERITS: Mapping[str, tuple[tuple[tuple[str, ...], str], ...]] = {
     "figures_of_merit": (
         (
             ("detection_range_km", "recognition_range_km", "identification_range_km"),
-            "Range: detect, recognize, identify",
+            "Range: detect, recognise, identify",
         ),
         (("ttp_range_km",), "TTP range"),
     ),
     "dual_gain": (
-        (("dynamic_range_dB",), "Dynamic range, joined"),
-        (("low_percent",), "Samples from the low gain"),
+        (("dynamic_range_dB",), "Dynamic range, combined"),
+        (("low_percent",), "Samples taken at low gain"),
     ),
     "image_quality": ((("gsd_m",), "GSD"), (("giqe5",), "NIIRS by GIQE 5")),
 }

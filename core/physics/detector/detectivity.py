@@ -96,7 +96,7 @@ def d_star(
     events = _noise_events(material, background_K, half_angle_deg)
     if not events > 0.0:
         allowed = (
-            f"the background is too cold to limit the noise of {material.name}, whose own noise "
+            f"too cold for a background-limited D* of {material.name}, whose internal noise "
             "is not known. Enter D* instead"
         )
         raise ParameterError("background_K", background_K, allowed, unit="K")

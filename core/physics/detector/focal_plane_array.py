@@ -518,7 +518,7 @@ def excess_noise_factor(
         return ratio * gain + (1.0 - ratio) * (2.0 - 1.0 / gain)
     per_stage: float = gain ** (1.0 / positive("register_stages", register_stages))
     if per_stage > 2.0:
-        allowed = f"at most 2 per stage: 2^{register_stages:g} for this register"
+        allowed = f"at most 2^{register_stages:g}, a gain of 2 per register stage"
         raise ParameterError("charge_gain_factor", factor, allowed)
     return (2.0 * (gain - 1.0) / per_stage + 1.0) / gain
 

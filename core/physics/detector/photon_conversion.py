@@ -31,7 +31,7 @@ def efficiency_of_responsivity(
     most = gain * planck.ELEMENTARY_CHARGE_C * wavelength / PHOTON_ENERGY_J_UM
     efficiency = numerics.positive("responsivity_A_per_W", responsivity_A_per_W, unit="A/W") / most
     if efficiency > 1.0:
-        allowed = f"at most {most:.4g} at {wavelength:g} µm, where every photon gives one electron"
+        allowed = f"at most {most:.4g} at {wavelength:g} µm, for a quantum efficiency of 1"
         raise ParameterError("responsivity_A_per_W", responsivity_A_per_W, allowed, unit="A/W")
     return efficiency
 

@@ -167,7 +167,7 @@ def why_clipped(
         if noise > max(_NOISE_SHOWS * contrast, 2.0 * _quantum(near), least, askew):
             return (
                 f"clipped: the samples beside the edge are constant at {limit:.6g}, the limit of "
-                f"the picture's values, but the noise of the step is {noise / contrast:.2g} "
+                f"the picture's values, but the noise on the edge is {noise / contrast:.2g} "
                 "times the contrast"
             )
     return ""

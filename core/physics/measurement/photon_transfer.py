@@ -367,7 +367,7 @@ def photon_transfer(
     if len({field.mean_dn for field in fitted}) < 2:
         raise DataError(
             f"levels below {_USED:g} times saturation: {int(used.sum())} of {len(levels)}. A "
-            "photon transfer curve needs 2 or more levels of different brightness, or one "
+            "photon transfer curve needs 2 or more different signal levels, or one "
             "level and dark frames that are not clipped at zero"
         )
     line, spread = _line_through(fitted, foot)

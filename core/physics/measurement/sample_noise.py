@@ -213,14 +213,14 @@ def _read_noise(
     if not with_gain and not low <= offset <= high:
         reason = (
             f"the flat areas have levels from {level.min():.4g} to {level.max():.4g}, too far from "
-            f"the level without light, {offset:.4g}"
+            f"the dark level, {offset:.4g}"
         )
         return {"read_noise_reason": reason}
     variance, error = line.at(offset)
     variance -= rounding
     if variance <= 0.0 or _CONFIDENCE * error > 2.0 * _READ_WITHIN * variance:
         reason = (
-            f"the variance at level {offset:.4g}, used as the level without light, is "
+            f"the variance at level {offset:.4g}, used as the dark level, is "
             f"{variance:.3g} ± {error:.2g} after subtracting quantization noise: dark areas are "
             "missing, or the level is wrong"
         )

@@ -99,7 +99,7 @@ def test_frames_of_a_simulated_camera(works, small, write, tmp_path):
         (
             ("flat0.npy",),
             "levels below 0.7 times saturation: 1 of 1. A photon transfer curve needs 2 or more "
-            "levels of different brightness, or one level and dark frames that are not clipped at "
+            "different signal levels, or one level and dark frames that are not clipped at "
             "zero",
         ),
     ],

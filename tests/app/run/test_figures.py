@@ -36,7 +36,7 @@ def test_an_engineer_reads_a_dozen_lines(mwir):
     assert line(lines, "NETD").split()[:2] == [f"{1e3 * camera['netd_K']:.4g}", "mK"]
     ranges = [merit[f"{name}_range_km"] for name in ("detection", "recognition", "identification")]
     told = ", ".join(f"{each:.4g}" for each in ranges)
-    assert f"  {told} km  " in line(lines, "Range: detect, recognize, identify")
+    assert f"  {told} km  " in line(lines, "Range: detect, recognise, identify")
     count = sum(value is not None for node in readouts.values() for value in node.values())
     assert f"all {count} read-outs: use --all, or see readouts.json" in lines
     assert not any("weighting_worth_percent" in each for each in lines)

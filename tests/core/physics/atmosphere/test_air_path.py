@@ -203,7 +203,7 @@ def test_the_solar_illuminance_and_what_it_is_scaled_to():
     infrared = ((0.9, 1.0), (1.7, 1.0))
     lux = {"illuminance_lux": 1.0}
     for dark, why in (
-        (Sunlight(0, **lux), "the sun is on the horizon and sky is 0"),
+        (Sunlight(0, **lux), "no light reaches the ground with the sun on the horizon and sky = 0"),
         (Sunlight(9, irradiance=0, **lux), "the spectrum has no light from 0.38"),
         (Sunlight(9, points=infrared, **lux), "the spectrum must cover 0.38"),
     ):

@@ -378,7 +378,7 @@ def test_factors_at_their_ends():
 
 @pytest.mark.parametrize(
     ("kind", "gain", "line"),
-    [("avalanche", 0.9, "at least 1"), ("em_register", 5.0, "at most 2 per stage"),
+    [("avalanche", 0.9, "at least 1"), ("em_register", 5.0, "a gain of 2 per register stage"),
      ("photoconductive", 0.0, "charge_gain_factor")],
 )  # fmt: skip
 def test_gains_that_are_refused(kind, gain, line):

@@ -171,7 +171,7 @@ def test_dark_frames_that_end_at_zero_count_for_nothing():
 def test_what_is_refused():
     with pytest.raises(DataError, match="2 frames or more, not 1"):
         field(Camera(), 100, count=1)
-    with pytest.raises(DataError, match="2 or more levels of different brightness, or one level"):
+    with pytest.raises(DataError, match="2 or more different signal levels, or one level"):
         curve(Camera(), (5000,), dark=False)
     quiet = field(Camera(offset=10_000.0), 20_000)
     loud = field(Camera(read_e=5000.0, offset=10_000.0), 0)
