@@ -308,12 +308,12 @@ def network_options(function: Function) -> Function:
         scene("--scene-sample-m", "M", "size of a scene sample, instead of the scene's field of "
             "view", finite_number),
         scene("--scene-band-um", "A B",
-            "wavelength band of the scene (default: from the file's header, else the old scene's "
-            "band)",
+            "wavelength band of the scene (default: from the file's header, else the original "
+            "scene's band)",
             finite_number, nargs=2),
         scene("--scene-unit", "UNIT",
             "unit of the scene: a radiance unit, K, C, reflectance, or relative (scaled to the "
-            "range of the old scene); default: the file's unit, else relative"),
+            "range of the original scene); default: the file's unit, else relative"),
     )(given)  # fmt: skip
 
 

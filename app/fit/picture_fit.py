@@ -123,8 +123,8 @@ def fit_pictures(
     patches, refused = edges_in(pictures=pictures.samples, **how)
     if not patches:
         raise DataError(
-            f"{pictures.text}: no edge can be used. {_reasons(refused, 0)}. Run imagechain measure "
-            "to see why each edge was rejected"
+            f"{pictures.text}: no edge can be used. {_reasons(refused, 0)}. For advice, run "
+            "imagechain handbook edge_pictures"
         )
     report("noise")
     noise, why_none = _noise(engine, plan, work, pictures)

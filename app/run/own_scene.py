@@ -37,7 +37,7 @@ _REFLECTANCE = ("reflectance", "albedo", "%", "1")
 _LOWER = (RELATIVE, "reflectance", "albedo")
 _KNOWN = (
     "a unit of radiance (W/m²/sr, uW/cm^2/sr/um, …), a temperature (K, C, F, mK), "
-    f"reflectance, %, or {RELATIVE} (scaled to the range of the old scene)"
+    f"reflectance, %, or {RELATIVE} (scaled to the range of the original scene)"
 )
 Array = NDArray[Any]
 Pair = tuple[float, float]
@@ -108,7 +108,7 @@ def with_own_scene(
 ) -> SceneReplaced:
     """The network with a picture in the place of its scene; wires and layout stay.
 
-    `stored` is the file's name in the network. An `engine` keeps the range of the old scene.
+    `stored` is the file's name in the network. An `engine` keeps the range of the original scene.
     """
     own.check()
     name = _chosen(network, library, node, own.option)
@@ -254,7 +254,7 @@ class _Replacing:
         scene_um = None if self._before is None else self._before.band_um
         if scene_um is None or (band[0] < scene_um[1] and scene_um[0] < band[1]):
             return ""
-        return f", outside the old scene's {_um(scene_um)}"
+        return f", outside the original scene's {_um(scene_um)}"
 
     def _relative(self, unit: str) -> dict[str, Any]:
         """Scaled so that the range of the samples becomes that of the scene before."""
@@ -262,8 +262,8 @@ class _Replacing:
         if before is None:
             reason = self._plan.nodes[self._name].error
             raise UsageError(
-                f"{self._info.path}: the file gives no unit, and the network's own scene cannot be "
-                f"read ({reason}), so the samples cannot be scaled to its range. Give "
+                f"{self._info.path}: the file gives no unit, and the network's original scene "
+                f"cannot be read ({reason}), so the samples cannot be scaled to its range. Give "
                 f"{self._own.named('unit')}"
             )
         if before.rows * before.columns > _MOST_SAMPLES:
@@ -279,7 +279,7 @@ class _Replacing:
         of_unit = f" in {unit}" if unit and unit != RELATIVE else ""
         self._lines.append(
             f"{what} {first:.5g}…{last:.5g}{of_unit} scaled to {low:.4g}…{high:.4g} {before.unit}, "
-            f"the range of the old scene{self._hint('unit', 'sets the unit')}"
+            f"the range of the original scene{self._hint('unit', 'sets the unit')}"
         )
         return {**scaled, "unit": before.unit}
 
@@ -305,7 +305,7 @@ class _Replacing:
     def _refusal(self) -> UsageError:
         return UsageError(
             f"{self._info.path}: the file gives no unit, and its samples are too large or not "
-            "finite, so they cannot be scaled to the range of the network's own scene. Give "
+            "finite, so they cannot be scaled to the range of the network's original scene. Give "
             f"{self._own.named('unit')}"
         )
 
@@ -372,7 +372,7 @@ class _Replacing:
         angle = step * wide, step * high
         side = "as wide" if math.isclose(angle[0], before[0]) else "as high"
         hint = self._hint("fov_deg", "sets another")
-        self._where.append(f"field of view {_deg(angle)}, {side} as the old scene{hint}")
+        self._where.append(f"field of view {_deg(angle)}, {side} as the original scene{hint}")
         return angle
 
     def _fov_before(self) -> Pair | None:
@@ -418,7 +418,7 @@ class _Replacing:
             interval = max(across, y * self._before.rows / self._info.rows)
         self._lines.append(
             f"samples of {interval:.4g} m on the ground"
-            f"{'' if self._own.sample_m else ', covering as much ground as the old scene'} "
+            f"{'' if self._own.sample_m else ', covering as much ground as the original scene'} "
             f"({name}.ground_interval_m)"
         )
         return _with(network, name, ground_interval_m=interval, ground_interval_y_m=None)
@@ -458,7 +458,8 @@ class _Replacing:
             if value is not None and not isinstance(value, Mapping):
                 network = network.with_parameter(name, parameter, value)
                 self._lines.append(
-                    f"{name}.{parameter} is now fixed at {value}: it was linked to the old scene"
+                    f"{name}.{parameter} is now fixed at {value}: it was linked to the original "
+                    "scene"
                 )
         return network
 

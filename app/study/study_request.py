@@ -152,7 +152,7 @@ def listed_points(
         axis = overrides.Variation(node, parameter, given=label)
         if head not in (label, axis.title):
             unit = axis.unit or "none"
-            raise FileError(f"{name}: column {head}: the unit must be {unit}, the parameter's unit")
+            raise FileError(f"{name}: column {head}: the parameter's unit is {unit}")
         cells = enumerate((plain_cell(line[place].strip()) for line in lines[1:]), 2)
         values = [_read(axis, cell, f"{name}: line {number}") for number, cell in cells]
         columns.append([overrides.from_here(value, parameter, path.parent) for value in values])

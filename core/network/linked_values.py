@@ -317,7 +317,7 @@ def _parsed(raw: Mapping[str, Any], parameter: Parameter) -> expressions.Express
         )
     if parameter.kind not in ("number", "integer"):
         kind = {"switch": "a switch", "choice": "a choice", "path": "a file name"}
-        what = kind.get(parameter.kind, "a text" if parameter.kind == "text" else "a list")
+        what = kind.get(parameter.kind, "text" if parameter.kind == "text" else "a list")
         raise expressions.ExpressionError(
             f"{_ONLY}, but this parameter is {what}: {parameter.allowed()}"
         )

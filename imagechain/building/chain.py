@@ -284,7 +284,7 @@ class Chain:
         """Replace the scene with your own picture; returns the chain itself.
 
         ``chain.scene = picture`` does the same without options. Anything you leave out is taken
-        from the file or from the old scene; `chain.scene` lists the source of each value.
+        from the file or from the original scene; `chain.scene` lists the source of each value.
 
         Parameters
         ----------
@@ -303,7 +303,7 @@ class Chain:
             Shortest and longest wavelength, µm.
         unit : str
             A unit of radiance, ``K``, ``C``, ``reflectance``, or ``relative``, which scales to the
-            range of the old scene. By default, the unit in the file, else ``relative``.
+            range of the original scene. By default, the unit in the file, else ``relative``.
         """
         is_file = isinstance(picture, str | PathLike)
         given = Path(fspath(picture)) if is_file else np.asarray(picture)

@@ -459,8 +459,8 @@ class Sunlight:
                     allowed = "the spectrum must cover 0.38 to 0.78 µm"
                 elif not (self.elevation_deg or self.sky):
                     allowed = (
-                        "no light reaches the ground with the sun on the horizon and sky = 0. Raise "
-                        "sun_elevation_deg"
+                        "no light reaches the ground with the sun on the horizon and sky = 0. "
+                        "Raise sun_elevation_deg"
                     )
                 raise ParameterError("illuminance_lux", self.illuminance_lux, allowed, unit="lx")
             scale = self.illuminance_lux / self.unscaled_lux

@@ -110,7 +110,7 @@ def test_temperatures_become_radiance(scene_of, write, small, picture):
     now, said = scene_of("net.json", *words, *band, port="to_radiance.image")
     assert now[5, 7] == pytest.approx(planck(float(kelvin[5, 7]), 3.7, 4.8), rel=1e-5)
     assert "To Radiance (to_radiance) converts the scene to radiance" in said
-    assert "band 3.7 to 4.8 µm, outside the old scene's 8 to 12 µm" in said
+    assert "band 3.7 to 4.8 µm, outside the original scene's 8 to 12 µm" in said
 
 
 def test_reflectances_are_lit(scene_of, write, small, picture):
@@ -216,7 +216,9 @@ def test_bad_input(fails, write, small, picture, tmp_path, words, said):
 def test_what_followed_the_scene_keeps_its_value(works, write, small, picture, tmp_path):
     small["nodes"]["blur"]["params"]["sigma_x_mrad"] = {"expression": "scene.width / 100"}
     done = works("run", write(small), "--scene", picture(GREY))
-    assert "blur.sigma_x_mrad is now fixed at 0.48: it was linked to the old scene" in done.stdout
+    assert (
+        "blur.sigma_x_mrad is now fixed at 0.48: it was linked to the original scene" in done.stdout
+    )
 
 
 def test_solve_and_study_take_it(imagechain, works, write, small, picture, tmp_path):

@@ -76,7 +76,7 @@ def test_a_list_has_columns_by_name_in_the_parameters_units(network, tmp_path):
 
 
 LISTS = {
-    "other unit": (f"{SIGMA} (µrad)\n1\n", "the unit must be mrad, the parameter's unit"),
+    "other unit": (f"{SIGMA} (µrad)\n1\n", "the parameter's unit is mrad"),
     "out of range": (f"{SIGMA}\n1\n-1\n", "line 3: sigma_x_mrad = -1 mrad is not allowed"),
     "short row": (f"{SIGMA},{D_STAR}\n1,1e10\n1\n", "line 3 has 1 cell,"),
 }
