@@ -41,7 +41,7 @@ def transfer_rows(curve: PhotonTransfer) -> list[tuple[str, float | None, str, s
         ("read_noise_e", curve.read_noise_e, "e-", "temporal noise in the dark, without "
                                                    "quantization noise"),
         ("read_noise_error", curve.read_noise_error, "e-", "standard error of the read noise"),
-        ("full_well_e", curve.full_well_e, "e-", "level of saturation"),
+        ("full_well_e", curve.full_well_e, "e-", "saturation level"),
         ("brightest_e", curve.brightest_e, "e-", "the brightest level"),
         ("dynamic_range_dB", _decibels(ratio), "dB", "full well divided by read noise"),
         ("dsnu_e", curve.dsnu_e, "e-", "fixed-pattern noise in the dark"),

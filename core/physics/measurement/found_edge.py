@@ -278,8 +278,8 @@ def why_interpolated(*, picture: NDArray[np.floating]) -> str:
     if not abs(mosaic) > max(_MOSAIC, _SURE_SIGN * mosaic_error):
         return ""
     return (
-        "interpolated: on a checkerboard of samples, one colour has "
-        f"{math.exp(abs(mosaic) / 2.0):.2g} times the fine detail of the other, a sign of "
+        "interpolated: the samples on one half of a checkerboard have "
+        f"{math.exp(abs(mosaic) / 2.0):.2g} times the fine detail of the other half, a sign of "
         "demosaicing"
     )
 
