@@ -369,7 +369,7 @@ def dark_factor(*, detector_K: float, reference_K: float, doubling_K: float) -> 
     doublings = away / positive("dark_doubling_K", doubling_K, unit="K")
     if abs(doublings) > _MOST_DOUBLINGS:
         least = abs(away) / _MOST_DOUBLINGS
-        allowed = f"at least {least:.3g} for temperatures {abs(away):g} K apart"
+        allowed = f"at least {least:.3g} if detector_K is {abs(away):g} K from dark_reference_K"
         raise ParameterError("dark_doubling_K", doubling_K, allowed, unit="K")
     return float(2.0**doublings)
 

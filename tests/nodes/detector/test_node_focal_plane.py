@@ -414,7 +414,8 @@ def test_a_gain_of_no_kind_is_warned_of(tmp_path):
          "at least 1 for charge_gain = avalanche"),
         ({"charge_gain": "em_register", "charge_gain_factor": 0.5},
          "at least 1 for charge_gain = em_register"),
-        ({**SILICON, "dark_doubling_K": 0.1}, "at least 0.3 for temperatures 30 K apart"),
+        ({**SILICON, "dark_doubling_K": 0.1},
+         "at least 0.3 if detector_K is 30 K from dark_reference_K"),
     ],
 )  # fmt: skip
 def test_entries_that_do_not_fit_are_refused_in_one_line(tmp_path, params, line):
