@@ -37,7 +37,7 @@ def transfer_rows(curve: PhotonTransfer) -> list[tuple[str, float | None, str, s
     return [
         ("gain_e_per_dn", curve.gain_e_per_dn, "e-/DN", "electrons per digital number"),
         ("gain_error", curve.gain_error, "e-/DN", "standard error of the gain"),
-        ("offset_dn", curve.offset_dn, "DN", "digital number at zero electrons"),
+        ("offset_dn", curve.offset_dn, "DN", "dark level"),
         ("read_noise_e", curve.read_noise_e, "e-", "temporal noise in the dark, without "
                                                    "quantization noise"),
         ("read_noise_error", curve.read_noise_error, "e-", "standard error of the read noise"),

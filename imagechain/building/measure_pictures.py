@@ -99,7 +99,7 @@ def measure(
     pitch_um : float, optional
         Pixel pitch, µm, for frequencies in cycles/mm.
     offset_dn : float, optional
-        Digital number without light, for the read noise; by default 0.
+        Dark level, DN, for the read noise; by default 0.
     dark : path, optional
         File of dark frames, instead of `offset_dn`.
     """
