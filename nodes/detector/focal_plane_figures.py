@@ -241,7 +241,7 @@ def overflow_caution(work: Work, levels: ElectronLevels, *, reading: ReadOut) ->
     if levels.brightest_e > saturation:
         return Caution(
             f"the brightest pixels saturate: they reach {levels.brightest_e:.4g} e- and are "
-            f"clipped at {saturation:.4g} e-; SNR and noise refer to the picture's mean; "
+            f"clipped at {saturation:.4g} e-; SNR and noise refer to the mean level; "
             "saturated_pixels counts clipped pixels",
             "lower integration_time_s, or raise full_well_e, gain_e_per_dn or bits",
         )

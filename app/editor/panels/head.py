@@ -3,8 +3,8 @@
 from collections.abc import Callable
 from functools import partial
 
-from PySide6.QtCore import QEvent, QObject, Qt, QTimer, Signal
-from PySide6.QtGui import QAction, QGuiApplication
+from PySide6.QtCore import QEvent, QObject, QRect, Qt, QTimer, Signal
+from PySide6.QtGui import QAction, QGuiApplication, QPainter, QPaintEvent
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QToolButton, QVBoxLayout, QWidget
 
 from app.editor import widgets
@@ -21,8 +21,30 @@ from core.network.network import Node
 _SHARE = 0.45  # of the panels' height, for an illustration at most
 _LEAST_LINES = 6  # that it is high at least
 _LINES = 7  # of what is wrong with the node
+_WIDEST = 10_000
+_WRAPPED = Qt.TextFlag.TextWordWrap | Qt.AlignmentFlag.AlignTop
 _FITTED = (QEvent.Type.LayoutRequest, QEvent.Type.Resize)
 _CLICK_MS = 250  # after which it is seen again whether a button is still down
+
+
+class Problem(widgets.ElidedLabel):
+    """What is wrong with the node, in up to seven lines; the tooltip has all of it."""
+
+    def lines(self, width: int) -> tuple[str, int]:
+        """The text, cut where it needs more lines than there are, and its height."""
+        words, text = self._line.split(" "), self._line
+        room, most = QRect(0, 0, width, _WIDEST), _LINES * self.fontMetrics().lineSpacing()
+        while True:
+            height = self.fontMetrics().boundingRect(room, _WRAPPED, text).height()
+            if height <= most or len(words) == 1:
+                return text, min(height, most)
+            words.pop()
+            text = " ".join(words) + " …"
+
+    def paintEvent(self, _event: QPaintEvent) -> None:
+        with QPainter(self) as painter:
+            painter.setPen(self.palette().color(self.foregroundRole()))
+            painter.drawText(self.rect(), _WRAPPED, self.lines(self.width())[0])
 
 
 class TitleBar(QWidget):
@@ -128,10 +150,7 @@ class PanelHead(QWidget):
         acts = (self.auto, self.generate, self.disable, self.output, self.fold_picture)
         buttons = widgets.filled(widgets.FlowLayout(across=4), *acts, margins=None)
         self.place = QWidget(below)
-        self.problem = widgets.labelled(
-            widgets.plain_label("problem", self.place), "problem", "Problem with the node"
-        )
-        self.problem.setAlignment(Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignTop)
+        self.problem = Problem("problem", "Problem with the node", self.place)
         self.problem.hide()
         self.place.installEventFilter(self)
         self._stack = widgets.filled(QVBoxLayout(self.place), self.problem, spacing=2)
@@ -171,8 +190,7 @@ class PanelHead(QWidget):
         if self.isVisible() and QGuiApplication.mouseButtons():
             self._released.start()  # nothing moves under the mouse
         else:
-            wide, most = self.place.width(), _LINES * self.fontMetrics().lineSpacing()
-            room = wide, max(line, min(self.problem.heightForWidth(wide), most))
+            room = self.place.width(), max(line, self.problem.lines(self.place.width())[1])
             self._room = max(room, self._room) if room[0] == self._room[0] else room
             self.problem.setFixedHeight(self._room[1])
         height = self._room[1]
@@ -205,8 +223,8 @@ class PanelHead(QWidget):
             return
         self._badge = badge
         text = badge.text if badge is not None else ""
-        widgets.show_or_hide(self.problem, text.replace("\n", " · "))
-        self.problem.setToolTip(tip(text) if text else "")
+        self.problem.show_text(text.replace("\n", " · "), tip(text) if text else "")
+        self.problem.setVisible(bool(text))
         self._fit()
         self._colour()
 
