@@ -35,7 +35,7 @@ def derived():
 
 def test_a_second_process_loads_no_module_to_list_them_all(cache, derived):
     first, second = (json.loads(run_program(LIST).stdout) for _ in range(2))
-    assert len(first[0]) == len(OURS)
+    assert len(first[0]) == len({place.partition(":")[0] for place in OURS.values()})
     assert second[0] == []
     assert first[1] == second[1] == [repr(one) for one in derived.values()]
     assert declarations(standard_library()) == derived

@@ -26,7 +26,6 @@ _FILES = {
     "app/editor/canvas/test_canvas_following.py",
     "app/editor/canvas/test_canvas_moving.py",
     "app/editor/canvas/test_canvas_wiring.py",
-    "app/editor/viewers/test_curves_query.py",
     "app/editor/evaluation/test_evaluator_badges.py",
     "app/editor/library/test_library_view.py",
     "app/editor/window/test_opening.py",
