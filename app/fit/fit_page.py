@@ -29,11 +29,11 @@ def fit_page(result: FitResult, *, network: str, pictures: tuple[str, ...]) -> s
         Heading(1, title),
         Text(
             # No-break spaces: what belongs together stays in one line.
-            f"{several(len(result.fit.patches), 'edge')} (shape residuals: "
-            f"{_CHI2}\N{NO-BREAK SPACE}{short(misfit.shape_per_degree)}), "
-            f"{several(misfit.degrees, 'degree')} of freedom, "
-            f"{_CHI2}\N{NO-BREAK SPACE}"
-            f"{short(result.chi2_per_degree)} (1 if the residuals are only noise).",
+            f"{several(len(result.fit.patches), 'edge')}. {_CHI2} of freedom: "
+            f"{short(result.chi2_per_degree)} for all residuals "
+            f"({several(misfit.degrees, 'degree')} of freedom), "
+            f"{short(misfit.shape_per_degree)} for the shape of the edges alone; 1 means that the "
+            "residuals are only noise.",
             "lead",
         ),
         Grid(heads, rows, numbers=(1, 3), kind="fitted"),

@@ -120,8 +120,8 @@ def _edge_tables(measured: PictureMeasurement) -> list[Block]:
             Grid((*_PLACE, "step", "step/noise", "MTF50"), rows, numbers=range(1, 8)),
             Text(
                 "MTF50 in cycles/sample along the edge's normal. Edges with a normal within "
-                f"{LARGEST_ANGLE_DEG:g}° of 0° or 180° give the horizontal MTF, edges near ±90° "
-                "the vertical MTF. The value after ± is the standard error that the horizontal or "
+                f"{LARGEST_ANGLE_DEG:g}° of 0° or 180° give the horizontal MTF, near ±90° the "
+                "vertical MTF. The value after ± is the standard error that the horizontal or "
                 "vertical MTF50 would have with this edge alone. Edges in other directions show "
                 "how the blur changes with direction."
             ),

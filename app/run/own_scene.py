@@ -236,7 +236,9 @@ class _Replacing:
             return values | self._relative(unit)
         if radiance is not None and radiance.spectral:
             if band is None:
-                raise UsageError(f"{unit} needs {self._own.named('band_um')}, the band to sum over")
+                raise UsageError(
+                    f"{unit} needs {self._own.named('band_um')}, the band to integrate over"
+                )
             scale = radiance.factor * (band[1] - band[0])
             values |= {"scale": scale, "unit": "W/m²/sr"}
             self._lines.append(f"samples in {unit}, multiplied by the width of the band")

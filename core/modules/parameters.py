@@ -318,14 +318,14 @@ def checked(
         raise
     except ImagechainError as error:
         result = Caution(
-            f"the check {check} could not run: {error.message}", "correct this error first"
+            f"the check {check!r} could not run: {error.message}", "correct this error first"
         )
     except Exception as error:  # a fault of the method alone: network and other checks are sound
         fault = plug_in_error(error, node)
         what = fault.message if fault else with_place(error)
         remedy = "not in the network; the condition was not checked"
         whose = "an error in the module's package" if fault else "an error in this program"
-        result = Caution(f"the check {check} failed ({what})", f"{whose}, {remedy}")
+        result = Caution(f"the check {check!r} failed ({what})", f"{whose}, {remedy}")
     if isinstance(result, Recipe):
         return PendingCheck(node, check, result)
     return None if result is None else result.at(node, check)

@@ -40,7 +40,7 @@ _NEEDED = (
     "Atmospheric Path needs radiance in W/m²/sr; set the unit on Read Image, or convert "
     "temperatures with To Radiance"
 )
-_TABLES = {"modtran": "the file in path contains", "modtran_tables": "the tables contain"}
+_TABLES = {"modtran": "the MODTRAN file contains", "modtran_tables": "the MODTRAN tables contain"}
 
 
 class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", group="Atmosphere"):

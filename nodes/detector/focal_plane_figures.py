@@ -254,7 +254,8 @@ def reference_caution(work: Work, found: TableData) -> Caution | None:
         return None
     return Caution(
         f"{row.reason}: snr_at_reference is left out",
-        "lower reference_radiance or integration_time_s, or check full_well_e, gain and bits",
+        "lower reference_radiance or integration_time_s, or check full_well_e, gain_e_per_dn "
+        "and bits",
     )
 
 

@@ -247,7 +247,8 @@ class DiffractionMTF(
     @warning
     def aperture(self, context: Context) -> Caution | None:
         """The aperture or obscuration differs from the value on Camera or Init & Trans."""
-        where = "from Camera, or focal length over F-number on Init & Trans"
+        camera = context.aperture_mm is not None
+        where = "on Camera" if camera else "from focal length and F-number on Init & Trans"
         diameter = {"aperture_mm": _of_context(context)}
         return apart(self, diameter, where=where, near=F_NUMBER_NEAR) or apart_from_context(
             self, context, "obscuration_ratio", where="on Camera"

@@ -225,8 +225,9 @@ def band_caution(
 
 
 def wavelength_caution(
-    picture: Band | None, wavelength_um: float | None, *, name: str
+    picture: Band | None, wavelength_um: float | None, *, name: str, empty: str = ""
 ) -> Caution | None:
+    """A wavelength outside the picture's band; `empty` are the parameters to leave empty."""
     if picture is None or wavelength_um is None:
         return None
     low, high = picture
@@ -234,7 +235,7 @@ def wavelength_caution(
         return None
     return Caution(
         f"{name} = {wavelength_um:g} µm lies outside the picture's band, {_band(picture)}",
-        "leave the wavelengths empty to use the picture's band, or correct the picture's band",
+        f"leave {empty or name} empty to use the picture's band, or correct the picture's band",
     )
 
 
@@ -247,7 +248,8 @@ def middle_caution(
     low = picture[0] if cut_on_um is None else cut_on_um
     high = picture[1] if cut_off_um is None else cut_off_um
     name = "the band centre, (cut_on_um + cut_off_um)/2"
-    return wavelength_caution(picture, (low + high) / 2, name=name)
+    ends = "cut_on_um and cut_off_um"
+    return wavelength_caution(picture, (low + high) / 2, name=name, empty=ends)
 
 
 def apart_caution(

@@ -176,7 +176,8 @@ def _measured(
         refusal = (
             f"the flat areas ({len(level)} blocks at levels {level.min():.4g} to "
             f"{level.max():.4g}) do not determine the noise at the picture's mean level, "
-            f"{mean:.4g}. {known}; allowed uncertainty: at most {percent(_WITHIN)}"
+            f"{mean:.4g}, accurately enough. {known}; allowed uncertainty: "
+            f"at most {percent(_WITHIN)}"
         )
     if not refusal and step is not None:
         shown = rounding + (_COARSE_STEPS * step) ** 2

@@ -154,8 +154,8 @@ def failing(first="looking", level=3.0, **params):
 @pytest.mark.parametrize(
     ("how", "line"),
     [
-        ("index", "the check broken failed (IndexError: tuple index out of range)"),
-        ("parameter", "the check broken could not run: width = 3 is not allowed: must be 2"),
+        ("index", "the check 'broken' failed (IndexError: tuple index out of range)"),
+        ("parameter", "the check 'broken' could not run: width = 3 is not allowed: must be 2"),
     ],
 )
 def test_a_check_that_fails_is_a_warning_of_its_node_and_keeps_nothing_from_running(

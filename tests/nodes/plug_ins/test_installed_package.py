@@ -301,7 +301,7 @@ def test_a_fault_in_a_plug_in_names_it(tmp_path):
     assert told[5] == "Traceback (most recent call last):"
     assert told.count(told[4]) == 2  # with --debug, too
     assert "    return np.ones_like(rho) * undefined" in told
-    assert "the check looks failed (a fault in the module faulty_optics.filter" in done.stdout
+    assert "the check 'looks' failed (a fault in the module faulty_optics.filter" in done.stdout
     assert "an error in the module's package" in done.stdout
     printed = done.stdout.splitlines()
     assert [line for line in printed if line in ("1", "2", "0")] == ["1", "1", "1", "1", "1", "0"]
