@@ -1411,7 +1411,7 @@ def gaussian_mtf(
 ) -> Part:
     """Apply a Gaussian blur, for aberrations and other blur that no other module covers.
 
-    The MTF is exp(−2π²(σx²·xi² + σy²·eta²)). Source: Tantalo 1996, eq. 4.22.
+    The MTF is exp(−2π²(σx²·ξ² + σy²·η²)). Source: Tantalo 1996, eq. 4.22.
 
     Parameters
     ----------
@@ -1570,7 +1570,7 @@ def crosstrack_mtf(
 ) -> Part:
     """Smear across the track from the scan during one dwell time.
 
-    The MTF is sinc(v·t·xi). A dwell time of 0 gives no smear. Source: Tantalo 1996, section 4.4.1;
+    The MTF is sinc(v·t·ξ). A dwell time of 0 gives no smear. Source: Tantalo 1996, section 4.4.1;
     the thesis neglects this smear.
 
     Parameters
@@ -1640,8 +1640,8 @@ def relative_motion_mtf(
 ) -> Part:
     """Smear from the relative velocity of platform and image while the detector integrates.
 
-    `published` is the product sinc(bx·xi)·sinc(by·eta), a rectangle (eq. 4.31). `line` is
-    sinc(bx·xi + by·eta), the straight smear at constant velocity. A relative velocity of zero gives
+    `published` is the product sinc(bx·ξ)·sinc(by·η), a rectangle (eq. 4.31). `line` is
+    sinc(bx·ξ + by·η), the straight smear at constant velocity. A relative velocity of zero gives
     an MTF of exactly 1. Source: Tantalo 1996, eqs. 4.29 to 4.35. Erratum: the widths 160 and 201 in
     eqs. 4.34 and 4.35 are in cycles/rad, not cycles/mrad.
 
@@ -1682,7 +1682,7 @@ def jitter_mtf(
 ) -> Part:
     """Blur by random line-of-sight motion within one exposure, with a Gaussian distribution.
 
-    The MTF is exp(−2π²σ²(xi² + eta²)). Source: Tantalo 1996, eq. 4.36, after Pinsky 1991 (typical
+    The MTF is exp(−2π²σ²(ξ² + η²)). Source: Tantalo 1996, eq. 4.36, after Pinsky 1991 (typical
     rms motion: 20 to 60 µrad). Erratum: the thesis calls σ² the variance in µrad and gives σ in
     mrad.
 
@@ -1713,7 +1713,7 @@ def vibration_mtf(
 ) -> Part:
     """Blur by sinusoidal vibration of the line of sight.
 
-    Over a whole number of periods, the MTF is J0(2πA·xi), where A is the amplitude. A remaining
+    Over a whole number of periods, the MTF is J0(2πA·ξ), where A is the amplitude. A remaining
     part of a period is integrated from phase 0 and weighted by time. Without a frequency or an
     integration time, many periods are assumed. The two axes are independent. Source: Kopeika 1998.
 
@@ -1809,7 +1809,7 @@ def detector_mtf(
 ) -> Part:
     """Blur by averaging over the sensitive area of a detector element.
 
-    The MTF is sinc(IFOVx·fill_x·xi)·sinc(IFOVy·fill_y·eta), including its negative lobes. Empty
+    The MTF is sinc(IFOVx·fill_x·ξ)·sinc(IFOVy·fill_y·η), including its negative lobes. Empty
     parameters are taken from Init & Trans. Source: Tantalo 1996, eqs. 4.41 to 4.50.
 
     Parameters

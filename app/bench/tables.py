@@ -214,8 +214,9 @@ def _draw_bars(axis: Any, rows: Sequence[Row]) -> None:
     axis.spines["left"].set_visible(False)
     axis.axvline(1.0, color=FAINT, lw=1.0, ls=(0, (4, 3)), zorder=1)
     axis.set_xlabel(
-        "time in multiples of T0, one forward and one inverse Fourier transform of the scene "
-        "(dashed)\nsolid mark: limit, dotted: target; blue: limit met, orange: limit missed",
+        "time in multiples of T0, the time for one forward and one inverse Fourier transform of "
+        "the scene\ndashed line: T0; solid mark: limit; dotted mark: target; blue: limit met; "
+        "orange: limit missed",
         fontsize=10,
     )
 

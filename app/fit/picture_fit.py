@@ -90,7 +90,7 @@ def read_pictures(paths: Sequence[Path], *, band: int | None = None) -> FittedPi
         if file.is_lossy:
             raise DataError(
                 f"{path}: {WITH_LOSS}, so it cannot be fitted. Give a picture that the camera "
-                "stored without loss"
+                "stored without lossy compression"
             )
         refuse_small(str(path), file.rows, file.columns)
         opened.append(file)

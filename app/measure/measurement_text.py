@@ -91,11 +91,11 @@ def _mtf_rows(
 def _noise_rows(noise: results.NoiseFigures, unit: str) -> list[Row]:
     rows = [("sigma", with_error(noise.sigma, noise.sigma_error), unit, "noise of a sample")]
     for name, words, value in (
-        ("row_sigma", "rows", noise.row_sigma), ("column_sigma", "columns", noise.column_sigma),
+        ("row_sigma", "row", noise.row_sigma), ("column_sigma", "column", noise.column_sigma),
     ):  # fmt: skip
         if value:
             text = number_text(float(f"{value:.3g}"))
-            rows.append((name, text, unit, f"noise of whole {words}"))
+            rows.append((name, text, unit, f"{words} noise"))
     if noise.gain_e_per_dn is not None:
         gain = with_error(noise.gain_e_per_dn, noise.gain_error)
         rows.append(("gain", gain, "e-/DN", "electrons per digital number"))
@@ -129,7 +129,7 @@ def file_warnings(files: Sequence[results.MeasuredFile]) -> list[str]:
         if file.gamma and not file.is_lossy
     ]
     lines += [
-        f"{file.name}: {WITH_LOSS}. Give a picture that the camera stored without loss"
+        f"{file.name}: {WITH_LOSS}. Give a picture that the camera stored without lossy compression"
         for file in files
         if file.is_lossy
     ]

@@ -26,7 +26,7 @@ Gamma = Literal["", "possible", "usual"]
 FREQUENCIES = tuple(step / 64.0 for step in range(65))
 """Cycles per sample at which every MTF is given: of 64 samples, and up to the samples' own."""
 BY_HAND = "removed by you"
-WITH_LOSS = "compressed with loss (fine detail and noise are altered)"
+WITH_LOSS = "the file uses lossy compression (fine detail and noise are altered)"
 
 
 @dataclass(frozen=True, eq=False)

@@ -284,14 +284,14 @@ def add_dot(network: Network, link: Link, index: int, at: Point) -> Operation:
 def move_dot(network: Network, link: Link, index: int, at: Point) -> Operation:
     points = list(dots_of(network).get(link, ()))
     points[index] = at
-    return with_dots(network, {link: tuple(points)}, f"Move the dot of {link}")
+    return with_dots(network, {link: tuple(points)}, f"Move a dot on the wire {link}")
 
 
 def remove_dot(network: Network, link: Link, index: int) -> Operation:
     """Take a dot away; without any its wire finds its own way."""
     points = list(dots_of(network).get(link, ()))
     del points[index]
-    return with_dots(network, {link: tuple(points)}, f"Delete the dot of {link}")
+    return with_dots(network, {link: tuple(points)}, f"Delete a dot on the wire {link}")
 
 
 def straighten(network: Network, links: Iterable[Link], label: str = "") -> Operation:

@@ -133,7 +133,7 @@ _ABOVE_ROUNDING = 100.0
 def axes_ratio(
     work: Work, image: Array, reference: Array, *, grid: Grid, edges: Edges, unit: str
 ) -> CurveData:
-    """|spectrum of image| / |spectrum of reference| on the axes xi and eta.
+    """|spectrum of image| / |spectrum of reference| on the axes ξ and η.
 
     On an axis the spectrum is that of the picture averaged across it, a 1-D transform. `edges`
     as in Init & Trans; `unit` is that of the grid's frequencies.

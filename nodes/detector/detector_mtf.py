@@ -11,7 +11,7 @@ from nodes.shared.module_ports import MtfModule, MtfOutputs
 class DetectorMTF(MtfModule, key="detector_mtf", title="Detector MTF", group="Detector"):
     """Blur by averaging over the sensitive area of a detector element.
 
-    The MTF is sinc(IFOVx·fill_x·xi)·sinc(IFOVy·fill_y·eta), including its negative lobes. Empty
+    The MTF is sinc(IFOVx·fill_x·ξ)·sinc(IFOVy·fill_y·η), including its negative lobes. Empty
     parameters are taken from Init & Trans. Source: Tantalo 1996, eqs. 4.41 to 4.50.
     """
 
@@ -48,7 +48,7 @@ class DetectorMTF(MtfModule, key="detector_mtf", title="Detector MTF", group="De
 
     @warning
     def geometry(self, context: Context) -> Caution | None:
-        """The pitch, fill factor or focal length differs from its value on Init & Trans."""
+        """The pitch, fill factor or focal length differs from the value on Init & Trans."""
         names = ("detector_x_um", "detector_y_um", "focal_length_mm", "fill_x", "fill_y")
         return apart_from_context(self, context, *names, where=ELECTRONICS)
 

@@ -332,7 +332,7 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
 
     @warning
     def stages(self, image: Image) -> Caution | None:
-        """The number of TDI stages differs from its value on TDI MTF."""
+        """The number of TDI stages differs from the value on TDI MTF."""
         for factor, bound in _laws(image):
             stages = bound.get("stages", self.tdi_stages)
             if stages != self.tdi_stages:
@@ -345,7 +345,7 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
 
     @warning
     def exposure(self, image: Image) -> Caution | None:
-        """The integration time differs from its value on Frame Transfer Smear."""
+        """The integration time differs from the value on Frame Transfer Smear."""
         for factor, bound in _laws(image):
             if {"ratio", "sides"} <= bound.keys():
                 return context_defaults.apart(

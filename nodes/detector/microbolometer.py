@@ -350,7 +350,7 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
 
     @warning
     def aperture(self, context: Context) -> Caution | None:
-        """The F-number differs from its value on Init & Trans."""
+        """The F-number differs from the value on Init & Trans."""
         return context_defaults.apart_from_context(self, context, "f_number")
 
     @warning

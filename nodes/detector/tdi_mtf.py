@@ -114,7 +114,7 @@ class TdiMTF(MtfModule, key="tdi_mtf", title="TDI MTF", group="Detector"):
 
     @warning
     def geometry(self, context: Context) -> Caution | None:
-        """The pitch or focal length differs from its value on Init & Trans."""
+        """The pitch or focal length differs from the value on Init & Trans."""
         pitch = getattr(context, f"detector_{self.direction}_um")
         return first(
             apart_caution("detector_um", self.detector_um, pitch, where=ELECTRONICS),

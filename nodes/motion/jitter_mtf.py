@@ -11,7 +11,7 @@ from nodes.shared.module_ports import MtfModule, MtfOutputs
 class JitterMTF(MtfModule, key="jitter_mtf", title="Jitter MTF", group="Motion"):
     """Blur by random line-of-sight motion within one exposure, with a Gaussian distribution.
 
-    The MTF is exp(−2π²σ²(xi² + eta²)). Source: Tantalo 1996, eq. 4.36, after Pinsky 1991 (typical
+    The MTF is exp(−2π²σ²(ξ² + η²)). Source: Tantalo 1996, eq. 4.36, after Pinsky 1991 (typical
     rms motion: 20 to 60 µrad). Erratum: the thesis calls σ² the variance in µrad and gives σ in
     mrad.
     """

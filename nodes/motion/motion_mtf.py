@@ -19,7 +19,7 @@ from nodes.shared.module_ports import MtfModule, MtfOutputs
 class CrosstrackMTF(MtfModule, key="crosstrack_mtf", title="Crosstrack MTF", group="Motion"):
     """Smear across the track from the scan during one dwell time.
 
-    The MTF is sinc(v·t·xi). A dwell time of 0 gives no smear. Source: Tantalo 1996, section 4.4.1;
+    The MTF is sinc(v·t·ξ). A dwell time of 0 gives no smear. Source: Tantalo 1996, section 4.4.1;
     the thesis neglects this smear.
     """
 
@@ -42,7 +42,7 @@ class CrosstrackMTF(MtfModule, key="crosstrack_mtf", title="Crosstrack MTF", gro
 
     @warning
     def velocity(self, context: Context) -> Caution | None:
-        """The scan velocity differs from its value on Init & Trans."""
+        """The scan velocity differs from the value on Init & Trans."""
         return apart_from_context(self, context, "scan_velocity_mrad_per_s")
 
     @readout("mrad")
@@ -82,12 +82,12 @@ class AlongtrackMTF(MtfModule, key="alongtrack_mtf", title="Alongtrack MTF", gro
 
     @warning
     def distance(self, context: Context) -> Caution | None:
-        """The range differs from its value on Init & Trans."""
+        """The range differs from the value on Init & Trans."""
         return apart_from_context(self, context, "range_m")
 
     @warning
     def velocity(self, context: Context) -> Caution | None:
-        """The velocity differs from its value on Init & Trans."""
+        """The velocity differs from the value on Init & Trans."""
         return apart_from_context(self, context, "velocity_m_per_s")
 
     @readout("mrad")
@@ -108,8 +108,8 @@ class RelativeMotionMTF(
 ):
     """Smear from the relative velocity of platform and image while the detector integrates.
 
-    `published` is the product sinc(bx·xi)·sinc(by·eta), a rectangle (eq. 4.31). `line` is
-    sinc(bx·xi + by·eta), the straight smear at constant velocity. A relative velocity of zero gives
+    `published` is the product sinc(bx·ξ)·sinc(by·η), a rectangle (eq. 4.31). `line` is
+    sinc(bx·ξ + by·η), the straight smear at constant velocity. A relative velocity of zero gives
     an MTF of exactly 1. Source: Tantalo 1996, eqs. 4.29 to 4.35. Erratum: the widths 160 and 201 in
     eqs. 4.34 and 4.35 are in cycles/rad, not cycles/mrad.
     """
@@ -155,7 +155,7 @@ class RelativeMotionMTF(
 
     @warning
     def distance(self, context: Context) -> Caution | None:
-        """The range differs from its value on Init & Trans."""
+        """The range differs from the value on Init & Trans."""
         return apart_from_context(self, context, "range_m")
 
     @readout("mrad")
@@ -175,7 +175,7 @@ class RelativeMotionMTF(
 class VibrationMTF(MtfModule, key="vibration_mtf", title="Vibration MTF", group="Motion"):
     """Blur by sinusoidal vibration of the line of sight.
 
-    Over a whole number of periods, the MTF is J0(2πA·xi), where A is the amplitude. A remaining
+    Over a whole number of periods, the MTF is J0(2πA·ξ), where A is the amplitude. A remaining
     part of a period is integrated from phase 0 and weighted by time. Without a frequency or an
     integration time, many periods are assumed. The two axes are independent. Source: Kopeika 1998.
     """

@@ -9,7 +9,7 @@ from nodes.shared.module_ports import MtfModule, MtfOutputs
 class GaussianMTF(MtfModule, key="gaussian_mtf", title="Gaussian MTF", group="Optics"):
     """Apply a Gaussian blur, for aberrations and other blur that no other module covers.
 
-    The MTF is exp(−2π²(σx²·xi² + σy²·eta²)). Source: Tantalo 1996, eq. 4.22.
+    The MTF is exp(−2π²(σx²·ξ² + σy²·η²)). Source: Tantalo 1996, eq. 4.22.
     """
 
     formulas = (

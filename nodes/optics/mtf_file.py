@@ -258,7 +258,7 @@ class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics")
 
     @warning
     def geometry(self, context: Context) -> Caution | None:
-        """The pitch or focal length differs from its value on Init & Trans."""
+        """The pitch or focal length differs from the value on Init & Trans."""
         names = ("focal_length_mm", "detector_x_um", "detector_y_um")
         return context_defaults.apart_from_context(
             self, context, *names, where=context_defaults.ELECTRONICS

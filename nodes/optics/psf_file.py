@@ -169,7 +169,7 @@ class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics")
 
     @warning
     def geometry(self, context: Context) -> Caution | None:
-        """The focal length differs from its value on Init & Trans."""
+        """The focal length differs from the value on Init & Trans."""
         if self.pitch_unit != "um":
             return None
         return apart_from_context(self, context, "focal_length_mm")

@@ -166,7 +166,7 @@ class InitTrans(
 
     @warning
     def camera(self, image: Image, given: frozenset[str]) -> Caution | None:
-        """A parameter differs from its value on Camera."""
+        """A parameter differs from the value on Camera."""
         if image.camera is None:
             return None
         sheet, orbit = image.camera, image.camera.orbit

@@ -202,8 +202,8 @@ _HINT = (
     "each one."
 )
 _FIT_HINT = (
-    "Choose Pictures… or drop measured pictures here. To let the fit change a number, right-click "
-    "it on a panel and choose Free for a fit. Then click Fit."
+    "Click Pictures… or drop pictures from your camera here. To let the fit change a number, "
+    "right-click it on a panel and choose Free for a fit. Then click Fit."
 )
 _STEPS = {Qt.Key.Key_Right: 1, Qt.Key.Key_Down: 1, Qt.Key.Key_Left: -1, Qt.Key.Key_Up: -1}
 _ZOOMS = {Qt.Key.Key_Plus: 0.8, Qt.Key.Key_Equal: 0.8, Qt.Key.Key_Minus: 1.25}

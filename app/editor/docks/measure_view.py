@@ -481,7 +481,7 @@ class MeasureView(WorkerView):
             return ""
         title, _, own = self._shown
         now = self._session.document.network
-        return title if own is None or own == now else f"{title}, before later edits"
+        return title if own is None or own == now else f"{title} (measured before the latest edits)"
 
     def _begin(self, measuring: _Measuring, job: Job) -> None:
         self._say(f"Measuring {measuring.title} …")

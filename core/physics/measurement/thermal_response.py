@@ -144,7 +144,7 @@ def filled(frame: NDArray[np.floating], good: Mask) -> Vector:
     if good.all():
         return np.asarray(frame, np.float64)
     if not good.any():
-        raise DataError("no pixel responds like the others: these are not frames of uniform fields")
+        raise DataError("every pixel responds differently: these are not frames of uniform fields")
     samples = np.array(frame, np.float64)
     known, wanted = np.flatnonzero(good), np.flatnonzero(~good)
     after = np.searchsorted(known, wanted).clip(1, max(known.size - 1, 1)) if known.size > 1 else 0

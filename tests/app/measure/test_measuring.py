@@ -126,12 +126,12 @@ def test_no_figure_comes_of_a_file_with_loss(fails, works, tmp_path, picture, na
     works("measure", name, "--json", "m.json")
     facts = json.loads((tmp_path / "m.json").read_text("utf-8"))
     assert set(facts["mtf"]["x"]) == set(facts["mtf"]["y"]) == set(facts["noise"]) == {"reason"}
-    assert "compressed with loss" in facts["mtf"]["x"]["reason"]
-    assert "compressed with loss" in facts["noise"]["reason"]
+    assert "lossy compression" in facts["mtf"]["x"]["reason"]
+    assert "lossy compression" in facts["noise"]["reason"]
     assert not any(one["used"] for one in facts["edges"])
     assert facts["warnings"] == [line for line in facts["warnings"] if "without loss" in line] != []
     line = fails("fit", "net.json", "--to", name, *FREE, "--json", "f.json")
-    assert line.startswith(f"imagechain: {name}: compressed with loss")
+    assert line.startswith(f"imagechain: {name}: the file uses lossy compression")
     assert not (tmp_path / "f.json").exists()
 
 

@@ -105,7 +105,7 @@ def test_the_module_takes_the_orbit_of_the_camera(tables, tmp_path):
     given = {"altitude_m": 9000, "air_K": 280, "range_m": 2e4}
     plan = planned(tmp_path, given, {"altitude_km": 500}).plan
     words = " ".join(str(caution) for caution in plan.warnings())
-    assert "air_K = 280 K is not used: the tables contain the path radiance" in words
+    assert "air_K = 280 K is not used: the MODTRAN tables contain the path radiance" in words
     assert "altitude_m = 9000 m here but 5e+05 m on Camera" in words
 
 

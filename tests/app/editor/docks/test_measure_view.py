@@ -180,7 +180,7 @@ def test_the_window_measures_what_a_viewer_shows(window, qtbot):
     assert view.measured.rows == viewer.picture.facts.rows
     interval = view.measured.interval_x_mrad
     assert interval == viewer.picture.value.interval_x_mrad
-    session, old = window.session, ", before later edits: "
+    session, old = window.session, " (measured before the latest edits): "
     assert old not in view.status.title.text()
     session.do(set_network_field("seed", session.network.seed + 1))
     assert old in view.status.title.text()
