@@ -4,7 +4,6 @@ import math
 import weakref
 
 import numpy as np
-import pyqtgraph as pg
 import pytest
 import shiboken6
 from PySide6.QtWidgets import QWidget
@@ -155,20 +154,6 @@ def test_numbers_are_brief():
         (float("inf"), "inf"),
     ):
         assert brief(value) == text
-
-
-def test_a_chart_draws_the_curve_and_its_mark_on_a_logarithmic_axis(bench):
-    params = {"region": "LWIR", "material": "Si:Ga"}
-    widget = bench.show(Network(nodes={"node": Node("node", "electronics_noise", params)}))
-    plot, (chart,) = widget.preview.parts[0], widget.charts
-    (curve,) = (one for one in chart.plotItem.items if isinstance(one, pg.PlotCurveItem))
-    x, y = curve.getData()
-    assert x == pytest.approx(plot.curves[0].x)
-    assert y == pytest.approx(np.log10(np.maximum(plot.curves[0].y, plot.y.low * 1e-30)))
-    (dot,) = (one for one in chart.plotItem.items if isinstance(one, pg.ScatterPlotItem))
-    assert dot.getData()[1] == pytest.approx([np.log10(plot.marks[0].y)])
-    low, high = chart.getViewBox().viewRange()[1]
-    assert (low, high) == pytest.approx(np.log10([plot.y.low, plot.y.high]))
 
 
 def test_where_it_is_low_it_leaves_parts_out_rather_than_drawing_them_small(bench):
