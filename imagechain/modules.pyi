@@ -1029,11 +1029,12 @@ def exit_pupil(
     the largest. The circle is centred on the array if centring increases its radius by at most one
     sample. A `radius` that you enter is always centred on the array. The read-out `aperture_radius`
     gives the radius used. A wavefront map (picture, FITS, `.npy`, text, Zemax listing) is added to
-    defocus and Zernike terms. Outside the aperture, the map must be NaN, or 0 as far as the border
-    of the array. Where the map has no value, the pupil is opaque. A map in waves applies at its own
-    wavelength; a map in µm is an optical path difference, the same at all wavelengths. A complex
-    `.npy` in `path` contains amplitude and phase, valid only at its own wavelength. Row 0 is at the
-    top. W enters as exp(2πiW), so a W that increases to the right moves the picture to the left.
+    defocus and Zernike terms. Outside the aperture, the map must be NaN, or 0 all the way to the
+    border of the array. Where the map has no value, the pupil is opaque. A map in waves applies at
+    its own wavelength; a map in µm is an optical path difference, the same at all wavelengths. A
+    complex `.npy` in `path` contains amplitude and phase, valid only at its own wavelength. Row 0
+    is at the top. W enters as exp(2πiW), so a W that increases to the right moves the picture to
+    the left.
     Sources: Tantalo 1996, section 4.3.2; Noll 1976; Mahajan 1994 (the disc of the wavefront).
 
     Parameters

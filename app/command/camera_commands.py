@@ -243,9 +243,9 @@ def photon_transfer(
 @options.command()
 @options.argument(
     "fields", "FILE=TEMPERATURE...",
-    "two or more frames of a black body and its temperature, such as 293.15K or 20C. Correct "
-    "the temperature for emissivity and atmosphere first. The file formats are the same as "
-    "for photon-transfer",
+    "one file per temperature, with two or more frames of a black body, and the temperature of "
+    "the black body, such as 293.15K or 20C. Give two or more temperatures, corrected for "
+    "emissivity and atmosphere. The file formats are the same as for photon-transfer",
     values.file_at_temperature, many=True)  # fmt: skip
 @options.written_outputs("write the figures, overall and at each temperature", values.TRANSFERS)
 @options.json_flag

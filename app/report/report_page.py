@@ -330,8 +330,9 @@ def data_sheet(facts: Fact) -> list[Block]:
         blocks.append(Text(f"{where}: half a cycle per pixel of the final picture."))
         shown = [(r["label"], r["node"], _rounded(r["x"]), _rounded(r["y"])) for r in mtf["rows"]]
         blocks.append(Grid(("stage", "node", "horizontal", "vertical"), shown, numbers=(2, 3)))
-        slope = f"{_rounded(mtf['edge_x'])} horizontally and {_rounded(mtf['edge_y'])} vertically"
-        blocks.append(Text(f"Edge slope: a sharp edge rises by {slope} within one pixel."))
+        rer = f"{_rounded(mtf['edge_x'])} horizontal, {_rounded(mtf['edge_y'])} vertical"
+        what = "the share of its height by which a sharp edge rises within one pixel"
+        blocks.append(Text(f"Relative edge response (RER): {rer}. It is {what}."))
     return blocks
 
 
@@ -436,7 +437,7 @@ _KINDS = {
     "wavelengths": (
         "Fourier transforms of every band",
         "a few wavelengths represent all bands",
-        "{share} % of the transforms, error at most {bound} of the contrast",
+        "{share} % of the transforms computed, error at most {bound} of the contrast",
     ),
     "region": ("pictures outside a region", "only the region is needed", "{share} % computed"),
     "unchanged": (

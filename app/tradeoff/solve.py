@@ -299,8 +299,8 @@ def _found(search: _Search, port: str, unit: str, figure: Figure) -> str:
     if search.beside is not None:
         other, gives = search.beside
         text += (
-            f"; no whole number gives {shown_value(search.wanted, figure.unit)}: "
-            f"{shown_value(other, unit)} gives {shown_value(gives, figure.unit)}"
+            f"; no whole number gives exactly {shown_value(search.wanted, figure.unit)} "
+            f"({shown_value(other, unit)} gives {shown_value(gives, figure.unit)})"
         )
     if search.others:
         others = ", ".join(shown_value(other, unit) for other in search.others)

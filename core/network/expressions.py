@@ -403,7 +403,7 @@ _MOST_BITS = 4096  # of a fraction: beyond, its next double is taken
 
 def no_references(reference: Reference) -> float:
     """For arithmetic among numbers alone: it always raises `ExpressionError`."""
-    raise ExpressionError(f"{reference.text} is another parameter: begin with = to follow it")
+    raise ExpressionError(f"{reference.text} is another parameter: begin with = to link to it")
 
 
 def value_of(expression: Expression, *, unit: str, lookup: Lookup = no_references) -> int | float:

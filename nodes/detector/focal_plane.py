@@ -470,7 +470,7 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
         return Caution(
             f"photons outside the curve are not counted: the response {' and '.join(ends)}, within "
             f"the band of {efficiency.cut_on_um:g} to {efficiency.cut_off_um:g} µm",
-            "give points over the whole band, or let the curve begin and end at 0",
+            "give points over the whole band, or let the curve begin and end with 0",
         )
 
     @staticmethod

@@ -74,7 +74,7 @@ def test_arithmetic_and_units_are_taken_or_refused_with_why_and_what_counts(sigm
         ("1/0", "1 / 0 divides by zero"),
         ("-1", "a number of at least 0"),
         ("1,000", "write 1000 or 1.000"),
-        ("init.f_number", "begin with = to follow it"),
+        ("init.f_number", "begin with = to link to it"),
         (
             "= 1 - init.f_number",
             "the expression gives -1 mrad; the result must be a number of at least 0",
