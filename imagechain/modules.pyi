@@ -762,8 +762,7 @@ def atmosphere_mtf(
     fwhm_mrad : float | Expression
         full width at half maximum of the blur [mrad]: a number of at least 0; default 0.0
     fried_r0_m : float | Expression | None
-        Fried parameter r0; empty: computed from Cn² [m]: a number of at least 0 or empty; default
-        empty
+        Fried parameter r0; empty: from Cn² [m]: a number of at least 0 or empty; default empty
     wavelength_um : float | Expression | None
         wavelength of the blur; empty: the middle of the band, or of each band of a cube [µm]: a
         number of at least 0 or empty; default empty
@@ -2283,11 +2282,11 @@ def focal_plane(
         CSV file of wavelength (µm) and quantum efficiency; if given, it replaces
         quantum_efficiency: a file name or empty; default empty
     cut_on_um : float | Expression | None
-        shortest wavelength of the cold filter; empty: start of the image's band [µm]: a number of
-        at least 0 or empty; default empty
+        shortest wavelength of the cold filter; empty: the image's band [µm]: a number of at least 0
+        or empty; default empty
     cut_off_um : float | Expression | None
-        longest wavelength of the cold filter; empty: end of the image's band [µm]: a number of at
-        least 0 or empty; default empty
+        longest wavelength of the cold filter; empty: the image's band [µm]: a number of at least 0
+        or empty; default empty
     photon_weighting : Literal['scene', 'source', 'middle']
         spectrum used to convert radiance to photons: a black body at the scene's temperature or at
         source_K, or the band's middle wavelength: one of scene, source, middle; default 'scene'
@@ -3209,11 +3208,11 @@ def measured_mtf(
     region_y : int | Expression
         first row of the region [px]: a whole number of at least 0; default 0
     region_width : int | Expression | None
-        columns in the region; empty: to the picture's right edge [px]: a whole number of at least 0
-        or empty; default empty
+        columns in the region; empty: to the picture's end [px]: a whole number of at least 0 or
+        empty; default empty
     region_height : int | Expression | None
-        rows in the region; empty: to the picture's bottom edge [px]: a whole number of at least 0
-        or empty; default empty
+        rows in the region; empty: to the picture's end [px]: a whole number of at least 0 or empty;
+        default empty
     window : Literal['tukey', 'hamming', 'none']
         window on the line spread function; tukey: flat over its middle half: one of tukey, hamming,
         none; default 'tukey'
@@ -3588,7 +3587,7 @@ def line_by_line(
         look angle from nadir at the middle of the frame [deg]: a number above -90 below 90; default
         0.0
     nadir_column : float | Expression | None
-        index of the scan line's sample at nadir, counted from 0; empty: from look_angle_deg [px]: a
+        index of the scan line's sample at nadir, counted from 0; empty: from the look angle [px]: a
         number from -65536 to 131072 or empty; default empty
     spacing : Literal['frame', 'flight', 'typed']
         line spacing at nadir; frame: the frame's interval; flight: from velocity and scan velocity
@@ -3598,8 +3597,8 @@ def line_by_line(
         distance between scan lines on the ground [m]: a number of at least 0 or empty; default
         empty
     altitude_m : float | Expression | None
-        altitude above the ground; empty: range_m from Init & Trans [m]: a number of at least 0 or
-        empty; default empty
+        altitude above the ground; empty: from Init & Trans [m]: a number of at least 0 or empty;
+        default empty
     method : Literal['nodes', 'direct']
         how non-separable factors are computed: interpolated between a few sampling intervals
         (nodes), or summed exactly for each interval (direct): one of nodes, direct; default 'nodes'
@@ -3777,11 +3776,12 @@ def image_quality(
         slant range to the ground; empty: from Init & Trans [m]: a number of at least 0 or empty;
         default empty
     gsd_m : float | Expression | None
-        ground sample distance normal to the line of sight, if you know it; empty: sampling interval
-        × range [m]: a number of at least 0 or empty; default empty
+        ground sample distance normal to the line of sight, if you know it; empty: interval × range,
+        the sampling interval times the slant range [m]: a number of at least 0 or empty; default
+        empty
     elevation_deg : float | Expression | None
-        elevation of the line of sight at the target; empty: 90° − off_nadir_deg, or from Camera's
-        orbit if off_nadir_deg is 0 [deg]: a number from 0 to 90 or empty; default empty
+        elevation of the line of sight at the target; empty: 90° − off nadir, or from Camera's orbit
+        if off_nadir_deg is 0 [deg]: a number from 0 to 90 or empty; default empty
     off_nadir_deg : float | Expression
         off-nadir look angle along the track, over flat ground; used if elevation_deg is empty
         [deg]: a number from 0 to 89; default 0.0
@@ -3792,14 +3792,14 @@ def image_quality(
         signal for the SNR: the contrast between 15 % and 7 % reflectance, or the mean: one of
         contrast, mean; default 'contrast'
     rer_x : float | Expression | None
-        horizontal RER, if you know it; empty: computed from the chain: a number of at least 0 or
-        empty; default empty
+        horizontal RER, if you know it; empty: from the chain: a number of at least 0 or empty;
+        default empty
     rer_y : float | Expression | None
-        vertical RER, if you know it; empty: computed from the chain: a number of at least 0 or
-        empty; default empty
+        vertical RER, if you know it; empty: from the chain: a number of at least 0 or empty;
+        default empty
     overshoot : float | Expression | None
-        overshoot H, if you know it; empty: computed from the chain: a number of at least 0 or
-        empty; default empty
+        overshoot H, if you know it; empty: from the chain: a number of at least 0 or empty; default
+        empty
     noise_gain : float | Expression
         noise gain G of the sharpening; 1: no sharpening: a number from 0 to 1e+06; default 1.0
 

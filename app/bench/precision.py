@@ -318,8 +318,9 @@ def poisson(settings: Settings) -> list[Table]:
         "counts, are least accurate where photons are few; there, exact deviates are also faster, "
         "because only the events are drawn. Above a few photons per sample, normal deviates are "
         "faster, and their distance from Poisson falls as 1/√mean. The distance is the largest "
-        "difference between the cumulative distributions of the deviates and of Poisson. In 95 "
-        f"of 100 fields of {settings.size}² exact deviates, the distance is below {chance:.1g}."
+        "difference between the cumulative distribution of the deviates and Poisson's. "
+        f"In 95 of 100 fields of {settings.size}² exact deviates, the distance is below "
+        f"{chance:.1g}."
     )
     title = f"Exact and normal deviates for Poisson noise: {settings.size}² samples"
     name = f"{title}, against the mean; distances below {chance:.1g} occur by chance"

@@ -215,7 +215,8 @@ def run(
             left_out += more
     lines = made.lines(every_readout=every_readout, on_memory=memory_bytes is not None)
     if forgotten:
-        needs = f"could not record the written files, so the next run needs {OPTION}: {forgotten}"
+        needs = f"could not record which files this run wrote ({forgotten}); to let the next run"
+        needs += f" replace them, add {OPTION} DIR"
         lines.append(in_line(needs))
     show(json, lambda: made.facts(left_out), *lines)
 

@@ -108,7 +108,8 @@ def tradeoff(
 @options.option(
     "--over", "NODE.PARAM=PATTERN",
     "compute every point for each file that matches a pattern, such as "
-    "scene.path='scenes/*.img'; files are taken in numerical order; may be repeated",
+    "scene.path='scenes/*.img'; files are taken in the order of the numbers in their names; "
+    "may be repeated",
     many=True)  # fmt: skip
 @options.option(
     "--sample", "HOW",

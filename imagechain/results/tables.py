@@ -401,7 +401,9 @@ class Picture:
         target = Path(fspath(path))
         samples = self.samples
         if samples.ndim == 3:
-            raise ParameterError("frames", len(samples), "must be 1 for a file with one picture")
+            raise ParameterError(
+                "frames", len(samples), "save() writes one frame; run the chain with frames=1"
+            )
         save_array(target, samples, metadata_of(self._image, samples.shape))
         return target
 

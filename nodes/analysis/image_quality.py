@@ -101,13 +101,13 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
     gsd_m: float | None = param(
         None,
         "ground sample distance normal to the line of sight, if you know it; empty: "
-        "sampling interval × range",
+        "interval × range, the sampling interval times the slant range",
         low=0,
         slider=(0.1, 10),
     )
     elevation_deg: float | None = param(
         None,
-        "elevation of the line of sight at the target; empty: 90° − off_nadir_deg, or "
+        "elevation of the line of sight at the target; empty: 90° − off nadir, or "
         "from Camera's orbit if off_nadir_deg is 0",
         (0, 90),
         slider=(5, 90),
@@ -124,18 +124,18 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
     )
     rer_x: float | None = param(
         None,
-        "horizontal RER, if you know it; empty: computed from the chain",
+        "horizontal RER, if you know it; empty: from the chain",
         low=0,
         slider=(0.1, 1.2),
     )
     rer_y: float | None = param(
         None,
-        "vertical RER, if you know it; empty: computed from the chain",
+        "vertical RER, if you know it; empty: from the chain",
         low=0,
         slider=(0.1, 1.2),
     )
     overshoot: float | None = param(
-        None, "overshoot H, if you know it; empty: computed from the chain", low=0, slider=(0.8, 2)
+        None, "overshoot H, if you know it; empty: from the chain", low=0, slider=(0.8, 2)
     )
     noise_gain: float = param(
         1.0, "noise gain G of the sharpening; 1: no sharpening", (0, 1e6), slider=(0, 20)
@@ -201,9 +201,8 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
             return None
         return Caution(
             "the SNR is an estimate: the scene is not in reflectance, so a mean reflectance of "
-            "15 % is assumed, and 8/15 of the mean signal is used as the contrast",
-            "use a scene in reflectance with Reflected Light; if there is none, enter snr or set "
-            "snr_of to mean",
+            "15 % is assumed, and 8/15 of the mean signal as the contrast",
+            "use Reflected Light, enter snr, or set snr_of to mean",
         )
 
     @warning

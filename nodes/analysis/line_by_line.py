@@ -174,7 +174,7 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
     )
     nadir_column: float | None = param(
         None,
-        "index of the scan line's sample at nadir, counted from 0; empty: from look_angle_deg",
+        "index of the scan line's sample at nadir, counted from 0; empty: from the look angle",
         (-65536, 131072),
         unit="px",
         slider=(0, 2048),
@@ -190,7 +190,7 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
     )
     altitude_m: float | None = param(
         None,
-        "altitude above the ground; empty: range_m from Init & Trans",
+        "altitude above the ground; empty: from Init & Trans",
         low=0,
         slider=(10, 10000),
     )

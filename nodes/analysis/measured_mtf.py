@@ -420,14 +420,14 @@ class MeasuredMTF(Module, key="measured_mtf", title="Measured MTF", group="Analy
     region_y: int = param(0, "first row of the region", low=0, unit="px", slider=_PIXELS)
     region_width: int | None = param(
         None,
-        "columns in the region; empty: to the picture's right edge",
+        "columns in the region; empty: to the picture's end",
         low=0,
         unit="px",
         slider=_PIXELS,
     )
     region_height: int | None = param(
         None,
-        "rows in the region; empty: to the picture's bottom edge",
+        "rows in the region; empty: to the picture's end",
         low=0,
         unit="px",
         slider=_PIXELS,

@@ -77,7 +77,7 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
     )
     fwhm_mrad: float = param(0.0, "full width at half maximum of the blur", low=0, slider=(0, 5))
     fried_r0_m: float | None = param(
-        None, "Fried parameter r0; empty: computed from Cn²", low=0, slider=(0.005, 1)
+        None, "Fried parameter r0; empty: from Cn²", low=0, slider=(0.005, 1)
     )
     wavelength_um: float | None = param(
         None,

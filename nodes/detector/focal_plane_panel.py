@@ -52,10 +52,10 @@ class FocalPlanePanel(SeededModule):
         "quantum_efficiency",
     )
     cut_on_um: float | None = param(
-        None, "shortest wavelength of the cold filter; empty: start of the image's band", low=0
+        None, "shortest wavelength of the cold filter; empty: the image's band", low=0
     )
     cut_off_um: float | None = param(
-        None, "longest wavelength of the cold filter; empty: end of the image's band", low=0
+        None, "longest wavelength of the cold filter; empty: the image's band", low=0
     )
     photon_weighting: Literal["scene", "source", "middle"] = param(
         "scene",

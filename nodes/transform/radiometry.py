@@ -166,11 +166,13 @@ class ToRadiance(Radiometry, key="to_radiance", title="To Radiance", group="Tran
 
     def run(self, image: Image, here: NodeContext, emissivity: Image | None = None) -> ImageOutput:
         if not is_temperature(image.unit):
-            named = f"in {image.unit!r:.40}" if image.unit.strip() else "without a unit"
-            what = "already radiance" if is_radiance(image.unit) else "not a temperature"
+            what = (
+                "already one of radiance" if is_radiance(image.unit) else "not one of temperature"
+            )
+            known = f"the picture's unit, {image.unit!r:.40}, is {what}"
             raise DataError(
-                f"the picture, {named}, is {what}: To Radiance needs K, °C, °F or mK; set the "
-                "unit on Read Image"
+                (known if image.unit.strip() else "the picture has no unit")
+                + ": To Radiance needs K, °C, °F or mK; set the unit on Read Image"
             )
         surface, unit = self.surface(image), image.unit.strip()
         inputs = image.recipe, *self.shares(image, emissivity)

@@ -47,6 +47,7 @@ _MARGIN = 8.0  # what is drawn around the frame: ports, the mark of the selectio
 _BESIDE = 10.0  # left and right of a title together, at least
 _APART_PX = 3.0  # on the screen, between two stages at least: a wire is seen there
 _PORTS_BESIDE = 18.0  # where there is room: the title stands clear of the ports
+_AROUND = 8.0  # above and below a title together
 _TALLER = 34.0  # the title of a small node may be, above its frame
 
 
@@ -149,7 +150,7 @@ class NodeItem(AbstractNodeItem):
         """The title as it is drawn in the overview; measured once for a zoom."""
         made_for = zoom, self.title_room, self.style
         if self._title is None or self._title[0] != made_for:
-            high = self._height + _TALLER - 4
+            high = self._height + _TALLER - _AROUND
             less = _beside(zoom), max(_BESIDE, 2 * _APART_PX / zoom)
             rooms = [QSizeF(self.title_room - beside, high) for beside in less]
             self._title = made_for, fitted(self.face, rooms, zoom, self.style)
@@ -161,7 +162,7 @@ class NodeItem(AbstractNodeItem):
             return frame
         wide = min(title.size.width() + _beside(zoom), self.title_room - _APART_PX / zoom)
         beside = max(0.0, wide - frame.width()) / 2
-        above = max(0.0, title.size.height() + 4 - frame.height())
+        above = max(0.0, title.size.height() + _AROUND - frame.height())
         return frame.adjusted(-beside, -above, beside, 0)
 
     def take_face(self, face: NodeFace) -> bool:
@@ -287,7 +288,7 @@ def _paint_output_mark(painter: QPainter, item: NodeItem, *, with_text: bool) ->
     painter.setPen(Qt.PenStyle.NoPen)
     painter.setBrush(style.port(("image",)))
     if not with_text:
-        side = min(frame.height() / 3, frame.width() / 6)
+        side = min(frame.height() / 4, frame.width() / 8)
         corner = frame.bottomRight()
         painter.drawPolygon(
             [corner, QPointF(corner.x() - side, corner.y()), QPointF(corner.x(), corner.y() - side)]

@@ -209,7 +209,9 @@ def dwell_time_s(*, interval_mrad: float, scan_velocity_mrad_per_s: float) -> fl
     """
     velocity = finite("scan_velocity_mrad_per_s", scan_velocity_mrad_per_s, unit="mrad/s")
     if velocity == 0.0:
-        allowed = "a velocity other than 0 if the time constant comes from the scan"
+        allowed = (
+            "finite and not 0, as the dwell time is the sampling interval over the scan velocity"
+        )
         raise ParameterError("scan_velocity_mrad_per_s", velocity, allowed, unit="mrad/s")
     return positive("interval_mrad", interval_mrad, unit="mrad") / abs(velocity)
 

@@ -195,8 +195,8 @@ def _measured(
         reason = "the noise varies across the picture by more than the signal level explains"
         remarks.append(
             reason
-            + ": sigma is the square root of the mean variance (the camera filters noise, or there "
-            "is fine texture)"
+            + " (the camera filters noise, or the scene has fine texture), so sigma is the square "
+            "root of the mean variance"
         )
         figures = {"gain_reason": reason, "read_noise_reason": reason}
     sigma = math.sqrt(at_mean)

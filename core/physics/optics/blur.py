@@ -238,7 +238,7 @@ def from_zero(
     if abs(values[0] - at_zero) > ROUNDED:
         advice = ". Correct the table, or set normalise = at_zero" if at_zero else ""
         raise DataError(
-            f"the table has {values[0]:g} at frequency 0; allowed: {at_zero:g} within "
+            f"the table has {values[0]:g} at frequency 0; allowed: {at_zero:g} ± "
             f"{ROUNDED:g}{advice}"
         )
     return frequencies, (at_zero, *values[1:])

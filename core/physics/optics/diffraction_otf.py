@@ -267,7 +267,8 @@ class Aperture:
         annular_otf(frequency_ratio=0.0, obscuration_ratio=self.obscuration_ratio)
         wavefront_factor(frequency_ratio=0.0, rms_waves=self.rms_waves * scale)
         if not abs(self.defocus_waves * scale) <= MOST_DEFOCUS_WAVES:
-            allowed = f"at most ±{MOST_DEFOCUS_WAVES:g} waves at the shortest wavelength"
+            most = MOST_DEFOCUS_WAVES
+            allowed = f"from {-most:g} to {most:g} waves at the shortest wavelength"
             raise ParameterError("defocus_waves", self.defocus_waves, allowed, unit="waves")
 
 
@@ -605,8 +606,8 @@ def wavefront_factor(*, frequency_ratio: ArrayLike, rms_waves: ArrayLike) -> NDA
         raise ParameterError(
             "rms_wavefront_waves",
             worst,
-            f"0 to {MOST_RMS_WAVES:g} waves at the shortest wavelength, where Shannon's formula "
-            "holds; for a larger error, use Exit Pupils",
+            f"0 to {MOST_RMS_WAVES:g} waves at the shortest wavelength (the range of Shannon's "
+            "formula); for a larger error, use Exit Pupils",
             unit="waves",
         )
     ratio = np.minimum(np.abs(np.asarray(frequency_ratio, np.float64)), 1.0)

@@ -95,9 +95,9 @@ def test_radiance_in_other_units_and_a_band_typed_here(chain):
 @pytest.mark.parametrize(
     ("unit", "key", "words"),
     [
-        ("W/m²/sr", "to_radiance", ("'W/m²/sr'", "already radiance")),
-        ("DN", "to_radiance", ("'DN'", "not a temperature", "K, °C, °F or mK")),
-        ("", "to_radiance", ("without a unit", "not a temperature")),
+        ("W/m²/sr", "to_radiance", ("'W/m²/sr'", "already one of radiance")),
+        ("DN", "to_radiance", ("'DN'", "not one of temperature", "K, °C, °F or mK")),
+        ("", "to_radiance", ("the picture has no unit",)),
         ("K", "to_temperature", ("'K'", "already a temperature")),
         ("counts", "to_temperature", ("'counts'", "not the radiance of a band in watts")),
         ("", "to_temperature", ("without a unit", "not the radiance")),
