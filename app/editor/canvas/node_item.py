@@ -47,8 +47,8 @@ _MARGIN = 8.0  # what is drawn around the frame: ports, the mark of the selectio
 _BESIDE = 10.0  # left and right of a title together, at least
 _APART_PX = 3.0  # on the screen, between two stages at least: a wire is seen there
 _PORTS_BESIDE = 18.0  # where there is room: the title stands clear of the ports
-_AROUND = 8.0  # above and below a title together
-_TALLER = 34.0  # the title of a small node may be, above its frame
+_AROUND = 7.0  # above and below a title together
+_TALLER = 38.0  # the title of a small node may be, above its frame
 
 
 class NodePort(QGraphicsItem):
