@@ -209,7 +209,7 @@ CASES = {
     ),
     ("diffraction_mtf", "aperture"): (
         {"aperture_mm": 40.0},
-        ("aperture_mm = 40 mm here", "50 mm from Camera"),  # 100 mm at F/2
+        ("aperture_mm = 40 mm here", "50 mm from focal length"),  # 100 mm at F/2
         {"aperture_mm": 51.0},
     ),
     ("diffraction_mtf", "kelvin"): (
