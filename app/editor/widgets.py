@@ -371,6 +371,12 @@ def plain_label(
     return label
 
 
+def set_role(widget: QtWidgets.QWidget, role: QtGui.QPalette.ColorRole) -> None:
+    """Its colour; Qt would also lay it out and paint it anew where that is the one it has."""
+    if widget.foregroundRole() != role:
+        widget.setForegroundRole(role)
+
+
 def make_bold(widget: QtWidgets.QWidget) -> None:
     font = widget.font()
     font.setBold(True)

@@ -14,7 +14,7 @@ from app.run.terminal import json_text, versions
 from app.run.transfer_chain import StageResponse, at_nyquist, ending_images
 from core.atomic import write_text
 from core.chain.engine import PlannedNode, realize
-from core.chain.skipped import Skip, is_neutral
+from core.chain.skipped import Skip
 from core.chain.wires import Image, Table
 from core.errors import printable, thaw
 from core.modules.parameters import plain
@@ -144,7 +144,7 @@ def _node(evaluation: Evaluation, name: str, node: PlannedNode) -> dict[str, Any
         "module": declared.key,
         **{name: getattr(declared, name) for name in ("title", "group", "summary")},
         "disabled": node.node.disabled,
-        "neutral": is_neutral(node),
+        "neutral": node.is_neutral,
         "seconds": evaluation.work.seconds.get(name, 0.0),
         "set": sorted(thaw(node.node.params)),
         "parameters": {

@@ -81,6 +81,23 @@ class PlannedNode:
     def warnings(self) -> tuple[Caution, ...]:
         return tuple(check for check in self.checks if isinstance(check, Caution))
 
+    @cached_property
+    def is_neutral(self) -> bool:
+        """Whether it passes all it works on as it is, and has no data for what follows."""
+        pairs = [(self.inputs.get(port), value) for port, value in self.outputs.items()]
+        through = [(given, value) for given, value in pairs if given is not None]
+        if any(getattr(value, "own", None) is not None for value in self.outputs.values()):
+            return False  # a transfer function to look at has been made
+        return bool(through) and all(
+            given is value
+            # The samples may be as they were; what follows takes the camera's data from it.
+            or (
+                getattr(given, "camera", None) == getattr(value, "camera", None)
+                and getattr(given, "key", None) == getattr(value, "key", None)
+            )
+            for given, value in through
+        )
+
 
 @dataclass(frozen=True)
 class Plan:

@@ -51,26 +51,6 @@ def skips(plan: Plan, work: Work) -> tuple[Skip, ...]:
     return tuple(skip for skips_of in skips_by_node.values() for skip in _strongest(skips_of))
 
 
-def is_neutral(planned: PlannedNode) -> bool:
-    """Whether the node passes all it works on as it is, and has no data for what follows."""
-    through = {
-        port: (planned.inputs[port], value)
-        for port, value in planned.outputs.items()
-        if planned.inputs.get(port) is not None
-    }
-    if any(getattr(value, "own", None) is not None for value in planned.outputs.values()):
-        return False  # a transfer function to look at has been made
-    if any(
-        getattr(given, "camera", None) != getattr(value, "camera", None)
-        for given, value in through.values()
-    ):
-        return False  # the samples are as they were; what follows takes the camera's data from it
-    return bool(through) and all(
-        getattr(given, "key", None) == getattr(value, "key", None)
-        for given, value in through.values()
-    )
-
-
 class _Account:
     """What one evaluation requested, and what of it need not have been."""
 
@@ -91,7 +71,7 @@ class _Account:
         if planned.node.disabled:
             yield Skip(name, "disabled", "switched off: the input is passed on")
             return
-        if is_neutral(planned):
+        if planned.is_neutral:
             yield Skip(name, "identity", "the settings change nothing: the input is passed on")
             return
         made = _made(planned)

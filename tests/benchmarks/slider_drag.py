@@ -24,6 +24,7 @@ from trial_window import PaintedPictures, live, settle, trial_window
 
 NODE, PARAMETER = "aberration", "sigma_x_mrad"
 MOVES_PER_S = 60
+STEP_PX = 2
 TICK_MS = 2
 
 
@@ -106,18 +107,22 @@ def handle_of(slider: QSlider) -> QPoint:
 
 
 def drag(slider: QSlider, duration_s: float) -> None:
-    """Press on the handle and move it to and fro, as a person does."""
+    """Press on the handle and move it to and fro, so that each move is another value.
+
+    By a sine, moves near its turning points gave none, the more the narrower the slider was.
+    """
     handle, left = handle_of(slider), Qt.MouseButton.LeftButton
     QTest.mousePress(slider, left, pos=handle)
-    span = slider.width() * 0.35
-    middle = slider.width() / 2
+    span, middle = round(slider.width() * 0.35), slider.width() // 2
     begin = time.monotonic()
+    x, step = 0, STEP_PX
     for number in range(round(duration_s * MOVES_PER_S)):
-        x = middle + span * math.sin(number / MOVES_PER_S * 2 * math.pi / 2.7)
-        QTest.mouseMove(slider, QPoint(round(x), handle.y()))
+        step = -step if abs(x + step) > span else step
+        x += step
+        QTest.mouseMove(slider, QPoint(middle + x, handle.y()))
         due = begin + (number + 1) / MOVES_PER_S
         live(max(due - time.monotonic(), 0.001))
-    QTest.mouseRelease(slider, left, pos=QPoint(round(middle), handle.y()))
+    QTest.mouseRelease(slider, left, pos=QPoint(middle, handle.y()))
 
 
 if __name__ == "__main__":

@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Literal
 
 from app.editor.declared_text import error_text
 from core.chain.engine import Engine, Plan, PlannedNode
-from core.chain.skipped import Skip, is_neutral
+from core.chain.skipped import Skip
 from core.errors import Cancelled, ImagechainError, ParameterError, UnconnectedError
 from core.evaluation.work import Work
 from core.modules.declaration import Library, declaration
@@ -323,11 +323,11 @@ def _of_state(
     if stale:
         return Badge("stale", f"{STALE}\n{warning_text}" if warning_text else STALE)
     if warning_text:
-        skipped = IDENTITY if is_neutral(planned) else skipped
+        skipped = IDENTITY if planned.is_neutral else skipped
         return Badge("warning", f"{warning_text}\n{skipped}" if skipped else warning_text)
     if planned.node.disabled:
         return Badge("disabled", DISABLED)
-    if is_neutral(planned):
+    if planned.is_neutral:
         return Badge("skipped", IDENTITY)
     return Badge("skipped", skipped) if skipped else None
 

@@ -61,17 +61,19 @@ class Due:
 
 @dataclass(frozen=True)
 class Task:
-    """One pass: what it works on, its plan, and what to answer, pictures first.
+    """One pass: what it works on, its plan, and what to answer: pictures, then the `rest`.
 
-    `change` was edited since the last pass that was finished; `expected` is what its pictures took
-    the last time. `has_preview`: an edit meanwhile would be followed by a preview. `preview` is the
-    pass to make first; in that one, the plan is of reduced pictures.
+    What of the rest is due is found out only when the pass comes to it: in a drag, one in five
+    does. `change` was edited since the last pass that was finished; `expected` is what its pictures
+    took the last time. `has_preview`: an edit meanwhile would be followed by a preview. `preview`
+    is the pass to make first; in that one, the plan is of reduced pictures.
     """
 
     snapshot: Snapshot
     plan: Plan
     due: Sequence[Due]
     change: changes.Change
+    rest: Collection[Request] = ()
     reduced: int = 1
     expected: float = 0.0
     has_preview: bool = False
@@ -128,11 +130,13 @@ class Runner:
         plan = self._planned.shown
         self._outbox.deliver(plan=plan)
         self._stale |= self._planned.stale
-        self._send_badges()
-        if snapshot.only_planned:
+        task = None if snapshot.only_planned else self._task(snapshot, plan)
+        # A quick picture comes before the badges; errors do not wait.
+        if task is None or not 0 < task.expected < REST_S or plan.errors():
+            self._send_badges()
+        if task is None:
             self._finish(snapshot)
             return
-        task = self._task(snapshot, plan)
         if self._preview(task) and self._pass(task):
             self._done = snapshot
             self._stale = frozenset(self._planned.stale)
@@ -146,8 +150,9 @@ class Runner:
         task = Task(
             snapshot,
             plan,
-            self._due(snapshot.requests, plan),
+            self._due([each for each in snapshot.requests if each.query.urgency <= 0], plan),
             change,
+            rest=[each for each in snapshot.requests if each.query.urgency > 0],
             expected=self._pace.expected(change),
         )
         wanted = [due.request for due in task.due if due.request.query.from_preview]
@@ -244,21 +249,22 @@ class Runner:
         snapshot, reduced = task.snapshot, task.reduced
         position = Position(len(task.due), lambda place: self._must_stop(task, place))
         self.position = position
-        pictures = [due for due in task.due if due.is_picture]
-        rest = [due for due in task.due if not due.is_picture]
+        rest: tuple[Due, ...] | None = None
         try:
             position.check()
             try:
-                self._answer(pictures, task, position)
+                self._answer(task.due, task, position)
             finally:
-                if pictures and not self._is_cancelled(snapshot):
+                if task.due and not self._is_cancelled(snapshot):
                     known = task.expected if position.stopped else 0.0
                     self._pace.took(task.change, max(position.seconds, known), reduced)
-            if pictures and rest and self._pace.rest_may_wait():
+            if task.due and task.rest and self._pace.rest_may_wait():
                 until = min(self._pace.rest_again, snapshot.edited_at + PAUSE_S)
                 if not self._inbox.quiet_until(until) and self._inbox.waiting:
                     return False  # an edit has come before its time
+            rest = self._due(task.rest, task.plan)
             if rest:
+                position.wanted += len(rest)
                 start = time.perf_counter()
                 try:
                     self._answer(rest, task, position)
@@ -268,16 +274,17 @@ class Runner:
             if reduced > 1 or not self._is_cancelled(snapshot):
                 self._pace.gave_way(position.seconds)
                 return False
-            self._given_up.update(due.request for due in task.due[position.done :])
+            rest = self._due(task.rest, task.plan) if rest is None else rest
+            self._given_up.update(due.request for due in (*task.due, *rest)[position.done :])
         finally:
             self.position = None
         follows = self._is_edited(snapshot)
-        if task.due or follows:
+        if task.due or rest or follows:
             how = (position.seconds, reduced, position.stopped, follows)
             self._outbox.deliver(done=PassDone(snapshot.generation, *how))
         return True
 
-    def _answer(self, dues: list[Due], task: Task, position: Position) -> None:
+    def _answer(self, dues: Sequence[Due], task: Task, position: Position) -> None:
         for due in dues:
             position.check()
             work = PassWork(self._policy, self._engine.store, self._workers, position)
@@ -367,7 +374,7 @@ class Runner:
         position = Position(len(due), lambda _: inbox.waiting or self._is_cancelled(snapshot))
         self.position = position
         try:
-            self._answer(list(due), Task(snapshot, plan, due, None), position)
+            self._answer(due, Task(snapshot, plan, due, None), position)
         except Cancelled:
             if self._is_cancelled(snapshot):
                 self._given_up.update(item.request for item in due[position.done :])

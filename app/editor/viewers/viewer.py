@@ -13,7 +13,7 @@ from app.editor.evaluation.queries import Answer, Query
 from app.editor.messages import Mark, close_button
 from app.editor.session import Session
 from app.editor.theme import ERROR, TEXT, Theme, theme_of
-from app.editor.widgets import ElidedLabel, filled
+from app.editor.widgets import ElidedLabel, filled, set_role
 from core.modules.declaration import Library
 from core.network.macro import declared_node
 from core.network.network import Network, Node, passed_through
@@ -105,7 +105,7 @@ class StatusLine(QWidget):
 
     def show_text(self, text: str, *, failed: bool = False) -> None:
         self.title.show_text(text)
-        self.title.setForegroundRole(ERROR if failed else TEXT)
+        set_role(self.title, ERROR if failed else TEXT)
         self.mark.setVisible(failed)
         self.away.setVisible(failed)
 

@@ -310,7 +310,7 @@ class Field(QtWidgets.QWidget):
         if font.bold() != self.changed:
             font.setBold(self.changed)
             label.setFont(font)
-        label.setForegroundRole(ERROR if self._faulty else CHANGED if self.changed else TEXT)
+        widgets.set_role(label, ERROR if self._faulty else CHANGED if self.changed else TEXT)
 
     def marked_label(self) -> QtWidgets.QWidget:
         return self.label

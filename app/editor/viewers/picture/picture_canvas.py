@@ -180,6 +180,7 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
             item.set_table(colour_table(name))
 
     def mark(self, place: tuple[float, float] | None) -> None:
+        self.cross.setVisible(place is not None)  # an empty one takes time to paint, too
         self.cross.setData(*([], []) if place is None else ([place[0]], [place[1]]))
 
     def fit(self) -> None:
