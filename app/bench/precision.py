@@ -60,10 +60,11 @@ def precision(settings: Settings) -> list[Table]:
         row = _of_picture(kodak, quiet, expected, scene, settings)
         rows.append({"choice": kind, **row, "mean_error": wrong})
     heads = {"choice": "precision", **T0_HEADS, "error": "error / max"}
-    heads["mean_error"] = "relative error of the mean"
+    heads["mean_error"] = "relative error of the picture's mean"
     text = (
-        "Single is the default: its error is far below the noise and the step of any practical "
-        "quantizer, and it takes half the memory. T0 is measured in single precision in both rows."
+        "Single precision is the default: its error is far below the noise and the step of any "
+        "practical quantizer, and it takes half the memory of double precision. T0 is measured in "
+        "single precision in both rows."
     )
     title = f"Precision: Kodak optics, {settings.small}², mirrored, compared with a direct sum"
     return [Table("precision", title, heads, rows, text, Chart("largest error", "choice"))]

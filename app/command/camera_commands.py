@@ -44,7 +44,7 @@ if TYPE_CHECKING:
     "--pitch-um", "UM", "pixel pitch of the detector, for frequencies in cycles/mm",
     values.finite_number)  # fmt: skip
 @options.option(
-    "--dark", "FILE", "dark frames with the same exposure, for the read noise",
+    "--dark", "FILE", "dark frames with the exposure time of the pictures, for the read noise",
     values.file_path, group=options.RARER)  # fmt: skip
 @options.option(
     "--offset-dn", "DN", "dark level, if there are no dark frames (default: 0)",
@@ -193,7 +193,8 @@ def fit(
     values.file_path, many=True)  # fmt: skip
 @options.option(
     "--dark", "FILE",
-    "two or more dark frames of the same size and exposure, for the offset, read noise and DSNU",
+    "two or more dark frames with the size and exposure time of the flat fields, for the "
+    "offset, read noise and DSNU",
     values.file_path)  # fmt: skip
 @options.option(
     "--offset-dn", "DN", "dark level, if there are no dark frames", values.finite_number

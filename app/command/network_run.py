@@ -129,7 +129,10 @@ class NetworkRun:
         below = [skip for skip in self.skipped if skip.kind == "below_budget"]
         if left_out := [f"{skip.node} (at most {skip.bound:.2g})" for skip in below]:
             budget = evaluation.work.policy.budget
-            lines.append(f"left out within the error budget of {budget:.3g}: {', '.join(left_out)}")
+            lines.append(
+                f"left out within the error budget of {budget:.3g} of the picture's range: "
+                f"{', '.join(left_out)}"
+            )
         lines += [
             f"{skip.node}: {skip.text} (error at most {skip.bound:.2g} of each band's contrast)"
             for skip in self.skipped

@@ -127,9 +127,9 @@ def _answers(display: str) -> bool:
     "accepts pictures of any size. May be repeated")  # fmt: skip
 @options.option(
     "--frames", "N",
-    "save N frames of each image, each with its own temporal noise; the first is the picture "
-    "itself. Formats: .npy (frames, rows, columns), .tif .tiff (one page each), .bsq .img (ENVI, "
-    "one band each)", values.whole_number)  # fmt: skip
+    "save N frames of each picture, each with its own temporal noise; the first is the picture "
+    "without --frames. Formats: .npy (frames, rows, columns), .tif .tiff (one page each), .bsq "
+    ".img (ENVI, one band each)", values.whole_number)  # fmt: skip
 @options.place_options
 @options.flag(
     "--all", "print the read-outs of all nodes instead of the main figures", to="every_readout"

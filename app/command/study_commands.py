@@ -138,8 +138,9 @@ def tradeoff(
 @options.flag("--fresh", "discard the rows of an unfinished study")
 @options.option(
     "--jobs", "N",
-    "number of processes on this machine (default: one, or all cores if the remaining points "
-    "take long enough)", values.whole_number, group=options.RARER)  # fmt: skip
+    "number of processes on this machine (default: all cores if the remaining points would "
+    "take one process more than a few seconds, else one)",
+    values.whole_number, group=options.RARER)  # fmt: skip
 @options.option(
     "--memory", "SIZE",
     "memory for computed values, shared by all processes, such as 2GB (default: 256MB per "
@@ -218,7 +219,8 @@ def _jobs(jobs: int | None, scheduler: str) -> int:
         return 0
     if scheduler:
         raise UsageError(
-            "--jobs sets the processes on this machine: give --jobs or --scheduler, not both"
+            "--jobs and --scheduler cannot be used together: --jobs sets the processes on "
+            "this machine"
         )
     if not 1 <= jobs <= _MOST_JOBS:
         raise UsageError(f"--jobs {jobs}: give a whole number from 1 to {_MOST_JOBS}")

@@ -74,7 +74,7 @@ _NAMES: Mapping[str, str] = MappingProxyType(
         "cut_on_um": "Cut-on",
         "cut_off_um": "Cut-off",
         "use_mtf": "Use pre-amplifier MTF",
-        "percent": "Share of the mean",
+        "percent": "Share of local mean",
         "target_delta_K": "Target difference",
         "range_max_km": "Longest range",
         "display_cd_m2": "Display luminance",

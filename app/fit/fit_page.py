@@ -61,7 +61,8 @@ def _pictures(result: FitResult) -> list[Block]:
             spreads_png(result),
             "a: samples against distance from the edge, scaled from 0 (dark level) to 1 (bright "
             "level), and the edge spread of the fitted chain. b: mean residuals in "
-            "quarter-sample bins; pure noise scatters about 0 within its errors.",
+            "quarter-sample bins, on the same scale; pure noise scatters about 0 within the error "
+            "bars.",
             "overlaid edges and residuals",
         ),
         *_table(result),
@@ -191,7 +192,7 @@ def spreads_png(result: FitResult) -> bytes:
             place, mean, error = _means(distance, rest)
             right.errorbar(place, mean, error, fmt=".", ms=3, lw=0.8, color=COLOURS[0])
             right.axhline(0.0, color="#555555", lw=0.8)
-        axes[0, 0].set_title("a. Samples and fitted spread (fraction of the step)", fontsize=10)
+        axes[0, 0].set_title("a. Samples and fitted ESF (fraction of the step)", fontsize=10)
         axes[0, 1].set_title("b. Mean residual, with its error", fontsize=10)
         for axis in axes[-1]:
             axis.set_xlabel("distance along the normal (samples)")
@@ -295,7 +296,7 @@ def fit_text(result: FitResult) -> str:
     if isinstance(result.noise, NoiseComparison):
         how = "noise fitted" if result.noise.fitted else "noise not fitted"
         ratio = number_text(float(f"{result.noise.ratio:.4g}"))
-        lines.append(f"predicted over measured noise  {ratio}  ({how})")
+        lines.append(f"predicted over measured rms noise  {ratio}  ({how})")
     elif result.noise:
         lines.append(result.noise)
     lines += [*result.notes, *(f"warning: {line}" for line in result.warnings)]

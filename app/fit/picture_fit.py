@@ -52,8 +52,8 @@ class TakenWith:
                 "taken in the chain's band"
             )
         for way, mine, other in (
-            ("across", self.interval_x_mrad, final.interval_x_mrad),
-            ("down", self.interval_y_mrad, final.interval_y_mrad),
+            ("wide", self.interval_x_mrad, final.interval_x_mrad),
+            ("high", self.interval_y_mrad, final.interval_y_mrad),
         ):
             if mine and other and abs(mine / other - 1.0) > _SAME_SIZE:
                 lines.append(
@@ -203,8 +203,8 @@ def _notes(many: int, refused: Sequence[str], final: Image, *, passed_area: bool
         )
     if passed_area:
         lines.append(
-            "the area of a scene sample is treated as the area of a pixel, because the chain "
-            "combines scene samples into pixels or has no detector that averages over an area"
+            "a scene sample's area is used as the pixel area: the chain combines scene samples "
+            "into pixels, or has no detector that averages over an area"
         )
     return lines
 

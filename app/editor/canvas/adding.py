@@ -362,7 +362,10 @@ class Adding:
         title = declaration(self._surface.session.library[transform.module]).title
         wiring = partial(self._wire_behind, end, bridge, point, loose)
         choice = self._module_choice(candidate.module, wiring, port=f"after {title}")
-        about = f"Its input is of type {candidate.port}: {title} is inserted first.\n{choice.tip}"
+        about = (
+            f"The module's input is of type {candidate.port}: {title} is inserted first.\n"
+            f"{choice.tip}"
+        )
         return replace(choice, tip=about, remote=True)
 
     def add(self, key: str, at: Point) -> None:

@@ -133,7 +133,7 @@ class MtfChart(ChartWidget):
         super().__init__(width=20, height=13, parent=parent)
         labelled(
             self, "measure.mtf", "MTF against frequency",
-            "Pooled horizontal (across, solid) and vertical (along, dashed) MTF with ± 2 standard "
+            "Pooled horizontal (solid) and vertical (dashed) MTF with ± 2 standard "
             "errors, and the MTF of the selected edge along its normal",
         )  # fmt: skip
         self.setMouseTracking(True)
@@ -143,7 +143,7 @@ class MtfChart(ChartWidget):
 
     def show_measured(self, measured: PictureMeasurement | None, edge: MeasuredEdge | None) -> None:
         colours, pooled = self.theme.curves, (measured and measured.x, measured and measured.y)
-        looks = (("across", colours[0], _SOLID), ("along", colours[2], _DASH))
+        looks = (("horizontal", colours[0], _SOLID), ("vertical", colours[2], _DASH))
         self._curves = [
             (name, curve, colour, style)
             for (name, colour, style), curve in zip(looks, pooled, strict=True)

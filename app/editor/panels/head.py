@@ -113,7 +113,7 @@ class PanelHead(QWidget):
         self.pin = bar.add_button(
             "pin", "Pin", "Keep this panel open when another node is selected", checkable=True
         )
-        about = "Save these parameters as a preset, or load a preset"
+        about = "Save these parameters under a name, or load saved parameters"
         self.sets = bar.add_button("sets", "≡", about)
         self.help = bar.add_button("help", "?", "What this module does", checkable=True)
         self.help.setVisible(bool(text))

@@ -222,7 +222,7 @@ def _both(x: float | None, y: float | None, unit: str) -> str:
         "none" if v is None else preview.brief(v if abs(v) >= _NOTHING else 0.0) + unit
         for v in (x, y)
     )
-    return across if across == along else f"{across} across, {along} along"
+    return across if across == along else f"{across} (x), {along} (y)"
 
 
 def _across(x: TransferLine, y: TransferLine, turn: float | None) -> preview.Axis:

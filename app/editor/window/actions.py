@@ -89,7 +89,7 @@ ACTIONS: tuple[ActionSpec, ...] = (
               "Move the selected nodes to the clipboard, and reconnect the wires around them",
               "Ctrl+X"),
     _selected("copy", "&Copy", "Copy the selected nodes as JSON", "Ctrl+C"),
-    _edit("paste", "&Paste", "Paste nodes of the clipboard at the pointer", "Ctrl+V",
+    _edit("paste", "&Paste", "Paste nodes from the clipboard at the pointer", "Ctrl+V",
           scope="canvas"),
     _edit("copy_values", "Copy &Values", "Copy the values of the selected node as JSON",
           "Ctrl+Shift+C", selected=True),

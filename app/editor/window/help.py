@@ -129,7 +129,7 @@ class HandbookOpening(QObject):
 # fmt: off
 BESIDE_ACTIONS = (
     ("Canvas", "Move the selection", "arrow keys",
-     "Shift: by one unit; with only a backdrop selected, resize it"),
+     "Shift: move by one canvas unit, or resize a backdrop selected alone"),
     ("Canvas", "Go to the next node", "Ctrl with arrow keys",
      "Shift: add the node to the selection"),
     ("Canvas", "Open", "Return", "The panel of the selected node, or a backdrop's title"),
@@ -149,7 +149,7 @@ BESIDE_ACTIONS = (
      "The divider between A and B, or between two wires; Shift: larger steps"),
     ("Mouse", "Show another band", "drag the band's line, or PgUp",
      "In a picture with bands; PgDown goes back"),
-    ("Mouse", "Default", "right-click on a value", "Reset the value to its default"),
+    ("Mouse", "Default", "right-click on a value", "Choose Reset to default in the menu"),
 )
 # fmt: on
 OR = "  or  "

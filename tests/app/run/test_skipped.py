@@ -55,8 +55,8 @@ def test_says_what_the_budget_left_out(imagechain, write, small, tmp_path):
     text = f"{bound:.1e}".replace("e-12", "·10⁻¹²")
     assert f"left out: effect at most {text}" in page
     assert economy(page)[0][2] == f"jitter (at most {text})"
-    told = f"left out within the error budget of 1.49e-08: jitter (at most {bound:.2g})\n"
-    assert told in done.stdout
+    told = "left out within the error budget of 1.49e-08 of the picture's range: jitter "
+    assert f"{told}(at most {bound:.2g})\n" in done.stdout
 
 
 def gaussian_corner(sigma_mrad):

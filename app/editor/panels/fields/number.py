@@ -27,7 +27,7 @@ from core.records import dataclass
 
 WHEEL_REST_MS = 400
 _HOW_TO_DRAG = "Drag the name sideways to change the value (Shift: finer, Ctrl: coarser)"
-_UNLINK = "To unlink, type a value or right-click"
+_UNLINK = "To unlink, type a value, or right-click and choose Unlink"
 _HOW_TO_TYPE = (
     "Type a number, arithmetic (2*0.3), a value in another unit, or = and an "
     "expression with other parameters. Arrow keys and the wheel change the value in steps "

@@ -414,7 +414,7 @@ class ImageViewer(Viewer):
             self._point_at(None)
             self.region.show_picture(None, None)
         elif choices.mode != "alone" and choices.other is None:
-            self.status.show_text("choose the other wire in the Compare menu")
+            self.status.show_text("choose the wire to compare with: Compare > With Other Wire")
         self.ask()
 
     def _placed(self, picture: picture_query.Picture) -> picture_query.Picture:

@@ -535,9 +535,7 @@ def facts_text(picture: Picture, query: PictureQuery, kept: str = "", way: str =
     if facts.wavelengths_um:
         parts.append(bands_text(facts.wavelengths_um))
     if picture.other is not None and kept:
-        parts.insert(
-            0, f"A {kept} on the left, B now on the right" if way == "wipe" else f"A {kept}"
-        )
+        parts.insert(0, f"left A ({kept}), right B (now)" if way == "wipe" else f"A ({kept})")
         bands = picture.other.facts.band_um, facts.band_um
         if bands[0] != bands[1]:
             parts.append(f"A in {_band(bands[0])}, B in {_band(bands[1])}")

@@ -166,7 +166,7 @@ def test_a_wire_of_a_picture_reaches_a_module_of_spectra_by_the_transform(pair, 
         (item,) = (canvas.popup.list.item(row) for row in range(canvas.popup.list.count()))
         assert (item.text(), item.toolTip().splitlines()[0]) == (
             "Gaussian MTF",
-            "Its input is of type magnitude: Init & Trans is inserted first.",
+            "The module's input is of type magnitude: Init & Trans is inserted first.",
         )
         hand.key(Qt.Key.Key_Return)
         name = f"gaussian_mtf{'_2' * steps}"

@@ -128,7 +128,7 @@ def test_buttons_warn_of_another_camera_and_offer_no_value_that_may_be_another(
 
     said = fit("lwir.img")
     assert "was taken in the band 8 to 12 µm, but the chain covers 3 to 5 µm" in said
-    assert "A sample of lwir.img is 0.2 mrad across" in said
+    assert "A sample of lwir.img is 0.2 mrad wide" in said
     assert view.taking.isEnabled()
     said = fit("sharp.npy")
     assert "poorly determined" in said
