@@ -142,7 +142,8 @@ class FocalPlanePanel(SeededModule):
     )
     nonlinearity_percent: float = param(
         0.0,
-        "signal loss at the full well; the loss grows with the square of the number of electrons",
+        "signal loss at the full well, relative to a linear response; the number of electrons "
+        "lost grows with the square of the signal",
         (0, 25),
         slider=(0, 5),
     )
@@ -250,7 +251,7 @@ class FocalPlanePanel(SeededModule):
             current = self.dark_current_A_per_cm2
             raise ParameterError("dark_current_A_per_cm2", current, allowed)
         if self.bits and self.gain_e_per_dn is None and self._well_e() is None:
-            allowed = "bits is above 0, so give gain_e_per_dn (e-/DN) or full_well_e (e-)"
+            allowed = "with bits above 0, gain_e_per_dn (e-/DN) or full_well_e (e-) must be given"
             raise ParameterError("gain_e_per_dn", None, allowed, unit="")
 
     @property

@@ -37,13 +37,13 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
     The noise, as scene radiance, is NETD·dL/dT(reference_K)·τ₀Ω₀/(τΩ)·√(t₀/t). Ω₀ (at the F-number
     F₀), τ₀, reference_K and t₀ come from the data sheet; √(t₀/t) applies if both integration times
     are given. For the NETD of a bare detector, set τ₀ = 1. A camera's NETD already includes the
-    lens, so enter the lens's F-number and transmission as reference values too. The solid angle Ω
-    is defined in Focal Plane. A bolometer's noise does not depend on the scene, so the NETD at
-    another background scales as 1/(dL/dT). After one frame, the fraction exp(−1/(rate·time
-    constant)) of a change remains, so a changing scene leaves traces in later frames. With a scan
-    velocity on Init & Trans, the lag is a low-pass filter along the lines, 1/(1 + 2πi·τ·v·ξ). At
-    `corner_Hz`, 1/f noise equals the white noise. Non-uniform gain and offset are the same in every
-    frame; Non-Uniformity Correction removes them.
+    lens, so enter the lens's F-number and transmission as reference values too. Ω is the projected
+    solid angle of the optics, as in Focal Plane. A bolometer's noise does not depend on the scene,
+    so the NETD at another background scales as 1/(dL/dT). After one frame, the fraction
+    exp(−1/(rate·time constant)) of a change remains, so a changing scene leaves traces in later
+    frames. With a scan velocity on Init & Trans, the lag is a low-pass filter along the lines, 1/(1
+    + 2πi·τ·v·ξ). At `corner_Hz`, 1/f noise and white noise have the same spectral density.
+    Non-uniform gain and offset are the same in every frame; Non-Uniformity Correction removes them.
 
     The temporal filter averages recursively: y = a·y₋₁ + (1 − a)·x, where a = (n − 1)/(n + 1) and n
     is filter_frames. The filter lowers white noise by a factor of √n and 1/f noise by less, and
@@ -368,7 +368,7 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
         return Caution(
             f"slow changes are approximated: {100 * left:.2g} % of a change remains after "
             f"{_MOST_FRAMES - 1} frames, and all earlier frames are treated like the "
-            "earliest frame kept",
+            "earliest frame computed",
             "lower time_constant_s or frame_rate_Hz if this approximation is not accurate enough",
         )
 
@@ -497,7 +497,7 @@ def figures(
 
     return TableData.of(
         ("netd_K", in_kelvin(temporal), "K", "temporal noise as a temperature difference"),
-        ("white_netd_K", in_kelvin(white), "K", "white noise only"),
+        ("white_netd_K", in_kelvin(white), "K", "white noise alone"),
         ("flicker_K", in_kelvin(flicker), "K", "1/f noise alone"),
         ("quantization_K", in_kelvin(rounding), "K", "quantization noise alone"),
         (

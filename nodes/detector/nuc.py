@@ -35,14 +35,14 @@ class Nuc(SeededModule, key="nuc", title="Non-Uniformity Correction", group="Det
     Put this module after the camera's modules. A black body that fills the field of view replaces
     the input of the first module that adds noise. The picture of the black body is averaged over
     `reference_frames` frames, each with its own noise; the same average corrects every frame.
-    `one_point`: the pattern at `low_K` is subtracted; the residual grows with the difference from
-    `low_K`, because the gains differ. `two_point`: gain and offset come from a straight line
-    through both references; the residual comes from the noise of the averaged references and from
-    nonlinearity. `drift_K` adds the offset drift since the correction: the rms over the pixels,
-    expressed as a scene temperature. A pixel with less than a tenth of the mean response gets a
-    gain of 1. The frames of a reference share their 1/f noise, but budgets treat this noise as
-    independent from frame to frame. Sources: Perry and Dereniak 1993; Schulz and Caldwell 1995;
-    Holst 2008.
+    `one_point`: the pattern at `low_K` is subtracted; the residual grows with the scene's
+    temperature difference from `low_K`, because the gains differ. `two_point`: gain and offset come
+    from a straight line through both references; the residual comes from the noise of the averaged
+    references and from nonlinearity. `drift_K` adds the offset drift since the correction: the rms
+    over the pixels, expressed as a scene temperature. A pixel with less than a tenth of the mean
+    response gets a gain of 1. The frames of a reference share their 1/f noise, but budgets treat
+    this noise as independent from frame to frame. Sources: Perry and Dereniak 1993; Schulz and
+    Caldwell 1995; Holst 2008.
     """
 
     formulas = (
@@ -110,7 +110,7 @@ class Nuc(SeededModule, key="nuc", title="Non-Uniformity Correction", group="Det
         band = image.band_um
         if band is None:
             raise DataError(
-                "the picture's band is needed to compute the radiance of the references: set "
+                "the radiance of the references is unknown, because the picture has no band; set "
                 "cut_on_um and cut_off_um on Read Image"
             )
         two, frames = self.method == "two_point", self.reference_frames

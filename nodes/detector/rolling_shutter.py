@@ -71,7 +71,7 @@ class RollingShutter(
                     "the image leaves the frame before the last line is exposed: it moves "
                     f"{moved:.4g} pixels along {axis} in a frame of {pixels:.4g} pixels",
                     f"check image_velocity_{axis} = {velocity:g} px/s and line_time_s = "
-                    f"{self.line_time_s:g}",
+                    f"{self.line_time_s:g} s",
                 )
         return None
 

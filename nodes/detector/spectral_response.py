@@ -106,9 +106,13 @@ class SpectralResponse(
             return ImageOutput(image)
         if not response.integral(*band) > 0.0:
             low, high = response.ends_um
-            allowed = f"the response must overlap the picture's band, {band[0]:g} to {band[1]:g} µm"
-            name = "path" if self.shape == "file" else "centre_um"
-            raise ParameterError(name, f"{low:g} to {high:g} µm", allowed, unit="")
+            allowed = (
+                f"the response, {low:g} to {high:g} µm, must be above 0 within the picture's band, "
+                f"{band[0]:g} to {band[1]:g} µm"
+            )
+            if self.shape == "file":
+                raise ParameterError("path", str(self.path), allowed)
+            raise ParameterError("centre_um", self.centre_um, allowed)
         passed = (*image.responses, response)
         if image.bands is not None:
             pairs = zip(image.bands.centres_um, image.bands.widths_um, strict=True)

@@ -69,12 +69,13 @@ class ElectronicsNoise(
 ):
     """Simulate read-out electronics: gain and bias, detector and amplifier noise, quantization.
 
-    The first steps are gain and bias errors of each detector, and detector noise with rms NER. Then
-    the pre-amplifier's single pole, 1/(1 + 2πi·τ·v·ξ), filters along the scan. The last steps are
-    amplifier noise with rms reference/SNR, a post filter and quantization. NEP and NER refer to a
-    detector with mean noise. NETD and SNR use the rms noise over all detectors, which is √(1 + v²)
-    times the mean noise for a relative spread v. Sources: Tantalo 1996, sections 4.6, 4.7, 4.9 and
-    4.10. Erratum: eq. 4.59 as printed scales the picture by the gain error (`literal`).
+    The first steps are gain and bias errors of each detector, and detector noise, whose rms is NER.
+    Then the pre-amplifier's single pole, 1/(1 + 2πi·τ·v·ξ), filters along the scan. The last steps
+    are amplifier noise, whose rms is reference/SNR, a post filter and quantization. NEP and NER
+    refer to a detector with mean noise. NETD and SNR use the rms noise over all detectors, which is
+    √(1 + v²) times the mean noise for a relative spread v. Sources: Tantalo 1996, sections 4.6,
+    4.7, 4.9 and 4.10. Erratum: eq. 4.59 as printed scales the picture by the gain error
+    (`literal`).
     """
 
     formulas = (
@@ -103,7 +104,7 @@ class ElectronicsNoise(
         ),
         Formula(
             r"q=\frac{L_{high}-L_{low}}{2^b-1}",
-            where="step of a b-bit quantizer; L_low, L_high: lowest and highest levels",
+            where="q: step of a b-bit quantizer; L_low, L_high: lowest and highest levels",
         ),
     )
 
@@ -136,7 +137,10 @@ class ElectronicsNoise(
         "minus its minimum",
     )
     gain_percent: float = param(
-        0.0, "rms spread of the gain between detectors", low=0, slider=(0, 10)
+        0.0,
+        "rms spread of the gain between detectors, relative to the mean gain",
+        low=0,
+        slider=(0, 10),
     )
     bias_percent: float = param(
         0.0,
@@ -150,7 +154,10 @@ class ElectronicsNoise(
         "mean; literal uses Tantalo's eq. 4.59 as printed",
     )
     noise_variability_percent: float = param(
-        0.0, "rms spread of the noise level between detectors", low=0, slider=(0, 100)
+        0.0,
+        "rms spread of the noise level between detectors, relative to its mean",
+        low=0,
+        slider=(0, 100),
     )
     use_mtf: bool = param(False, "apply the pre-amplifier's MTF and PTF")
     post_filter: Literal["none", "lowpass", "highpass", "boost"] = param(
@@ -491,8 +498,8 @@ class ElectronicsNoise(
         velocity = self.scan_velocity(context)
         if self.post_corner_Hz is None or velocity == 0:
             allowed = (
-                "the post filter needs post_corner_Hz, and also scan_mirror_rate_Hz or a scan "
-                "velocity on Init & Trans"
+                "the post filter needs a corner frequency and a scan velocity; give the velocity "
+                "as scan_mirror_rate_Hz or on Init & Trans"
             )
             raise ParameterError("post_corner_Hz", self.post_corner_Hz, allowed)
         law = {

@@ -48,24 +48,26 @@ class Noise3DSource(
         ),
         Formula(
             r"S(f)=\frac{2\,\sigma_{tvh}^2}{f_R}\;\frac{f_k}{f}",
-            where="power spectral density of a sample's 1/f noise, which equals the density of "
+            where="S: power spectral density of a sample's 1/f noise, which equals the density of "
             "σ_tvh at f_k = corner_Hz; f_R: frame rate",
         ),
     )
 
     sigma_tvh: float = param(
-        0.0, "random noise, from pixel to pixel and frame to frame", (0, 1e15), slider=(0, 1)
+        0.0, "rms random noise, from pixel to pixel and frame to frame", (0, 1e15), slider=(0, 1)
     )
     sigma_tv: float = param(
-        0.0, "row noise that changes from frame to frame", (0, 1e15), slider=(0, 1)
+        0.0, "rms row noise that changes from frame to frame", (0, 1e15), slider=(0, 1)
     )
     sigma_th: float = param(
-        0.0, "column noise that changes from frame to frame", (0, 1e15), slider=(0, 1)
+        0.0, "rms column noise that changes from frame to frame", (0, 1e15), slider=(0, 1)
     )
-    sigma_t: float = param(0.0, "flicker of the whole frame", (0, 1e15), slider=(0, 1))
-    sigma_vh: float = param(0.0, "fixed pattern, pixel by pixel", (0, 1e15), slider=(0, 1))
-    sigma_v: float = param(0.0, "fixed pattern, row by row", (0, 1e15), slider=(0, 1))
-    sigma_h: float = param(0.0, "fixed pattern, column by column", (0, 1e15), slider=(0, 1))
+    sigma_t: float = param(0.0, "rms flicker of the whole frame", (0, 1e15), slider=(0, 1))
+    sigma_vh: float = param(0.0, "rms fixed pattern, pixel by pixel", (0, 1e15), slider=(0, 1))
+    sigma_v: float = param(0.0, "rms row noise, the same in every frame", (0, 1e15), slider=(0, 1))
+    sigma_h: float = param(
+        0.0, "rms column noise, the same in every frame", (0, 1e15), slider=(0, 1)
+    )
     corner_Hz: float = param(
         0.0,
         "corner frequency, where 1/f noise equals sigma_tvh; 0: no 1/f noise",

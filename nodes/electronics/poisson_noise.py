@@ -32,8 +32,8 @@ class PoissonNoise(
 
     `published` adds a Poisson deviate whose mean is a percentage of the Gaussian-weighted local
     mean. `photon` converts radiance to a number of photons and replaces that number with a Poisson
-    deviate. The 1996 method has no photon scale, so its relative noise changes with the radiance
-    unit. The 1996 method also adds the noise before the optics have collected the light. For the
+    deviate. The 1996 model has no photon scale, so its relative noise changes with the radiance
+    unit. The 1996 model also adds the noise before the optics have collected the light. For the
     shot noise of a detector, use Focal Plane. Source: Tantalo 1996, section 4.3.4, after Frieden
     1991.
     """

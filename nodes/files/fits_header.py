@@ -118,10 +118,8 @@ def _whole(header: FitsHeader, key: str, low: int, high: int | None = None) -> i
     if text is None:
         raise FileError(f"{header.path}: this FITS header is damaged: {key} is missing")
     if not re.fullmatch(r"\+?\d{1,20}", text) or int(text) < low or int(text) > (high or math.inf):
-        upper = "" if high is None else f" to {high}"
-        raise FileError(
-            f"{header.path}: {key} = {text:.40}; allowed: a whole number from {low}{upper}"
-        )
+        span = f"of {low} or more" if high is None else f"from {low} to {high}"
+        raise FileError(f"{header.path}: {key} = {text:.40}; allowed: a whole number {span}")
     return int(text)
 
 

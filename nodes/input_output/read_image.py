@@ -227,8 +227,7 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
         return Caution(
             "the samples may be in the wrong unit: Read Image does not apply "
             f"{' and '.join(fields)} from the header",
-            "enter the gain as scale and the resulting unit as unit; for an offset, convert the "
-            "file",
+            "convert the samples with scale and offset, and set unit to the resulting unit",
         )
 
     @warning
@@ -320,7 +319,7 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
 
     @readout("samples")
     def missing_samples(self, outputs: ImageOutput) -> Step | int:
-        """Number of samples in the file that are NaN or infinite."""
+        """Number of missing samples in the file: NaN, infinite or equal to its no-data value."""
         read = outputs.image.recipe
         if self.missing == "refuse" or not isinstance(read, Step) or self.bands == "all":
             return 0

@@ -65,9 +65,9 @@ def sample_unit(info: PictureInfo, *, typed: str, scale: float, integrated: bool
     file_unit = stored.integrated if integrated else stored
     if not chosen and file_unit.photons:
         raise FileError(
-            f"{info.path}: the samples are in {info.unit}, and the energy of a photon depends on "
-            f"its wavelength; set unit = {file_unit.name} to keep photons, or set scale to convert "
-            "to watts"
+            f"{info.path}: the samples are in {info.unit} and cannot be converted to watts, "
+            "because a photon's energy depends on its wavelength; set unit = "
+            f"{file_unit.name} to keep photons, or set scale to convert to watts"
         )
     if chosen and (own is None or own.name != file_unit.name):
         allowed = f"give a unit of the same kind as the file's unit, {info.unit}, or give scale"

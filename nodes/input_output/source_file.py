@@ -40,7 +40,7 @@ Missing = Literal["refuse", "mean", "zero"]
 _BLOCK_SAMPLES = 1 << 20
 _ADVICE = (
     "samples with the header's no-data value count as NaN; set missing to mean or zero to "
-    "replace them"
+    "replace non-finite samples"
 )
 
 

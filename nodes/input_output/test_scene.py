@@ -106,7 +106,8 @@ class TestScene(PicturePreview, key="test_scene", title="Test Scene", group="Inp
     )
     frequency: float = param(
         16.0,
-        "cycles per frame width (sine) or shorter side (coarsest bars); number of spokes (star)",
+        "cycles per frame width (sine) or per shorter side (coarsest bars); number of spokes "
+        "(star)",
         low=0,
         above=True,
     )

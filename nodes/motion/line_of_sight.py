@@ -49,7 +49,7 @@ class LineOfSight(
         ),
         Formula(
             r"H(\xi)=\frac{1}{T}\int_{-T/2}^{T/2}e^{-2\pi^2v(t)\,\xi^2}\,dt",
-            where="T: exposure time, s; motion within one exposure",
+            where="H: MTF of the motion within one exposure; T: exposure time, s",
         ),
         Formula(
             r"v(t)=\int S(f)\left[1+\mathrm{sinc}^2(fT)-2\,\mathrm{sinc}(fT)\cos(2\pi ft)"

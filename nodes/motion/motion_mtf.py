@@ -17,7 +17,7 @@ from nodes.shared.module_ports import MtfModule, MtfOutputs
 
 
 class CrosstrackMTF(MtfModule, key="crosstrack_mtf", title="Crosstrack MTF", group="Motion"):
-    """Smear across the track from the scan during one dwell time.
+    """Blur across the track by the scan during one dwell time.
 
     The MTF is sinc(v·t·ξ). A dwell time of 0 gives no smear. Source: Tantalo 1996, section 4.4.1;
     the thesis neglects this smear.
@@ -54,9 +54,9 @@ class CrosstrackMTF(MtfModule, key="crosstrack_mtf", title="Crosstrack MTF", gro
 
 
 class AlongtrackMTF(MtfModule, key="alongtrack_mtf", title="Alongtrack MTF", group="Motion"):
-    """Smear along the track from the platform's forward motion while a sample is collected.
+    """Blur along the track by the platform's forward motion while a sample is collected.
 
-    The MTF is sinc(b·eta) with b = velocity·time/range. Source: Tantalo 1996, eqs. 4.24 to 4.28.
+    The MTF is sinc(b·η) with b = velocity·time/range. Source: Tantalo 1996, eqs. 4.24 to 4.28.
     Erratum: the width 134 in eq. 4.28 is in cycles/rad, not cycles/mrad.
     """
 
@@ -106,7 +106,7 @@ class AlongtrackMTF(MtfModule, key="alongtrack_mtf", title="Alongtrack MTF", gro
 class RelativeMotionMTF(
     MtfModule, key="relative_motion_mtf", title="Relative Motion MTF", group="Motion"
 ):
-    """Smear from the relative velocity of platform and image while the detector integrates.
+    """Blur by the relative velocity of platform and image while the detector integrates.
 
     `published` is the product sinc(bx·ξ)·sinc(by·η), a rectangle (eq. 4.31). `line` is
     sinc(bx·ξ + by·η), the straight smear at constant velocity. A relative velocity of zero gives
@@ -134,7 +134,7 @@ class RelativeMotionMTF(
     integration_time_s: float = param(0.0, "integration time", low=0)
     range_m: float | None = param(None, "distance to the scene; empty: from Init & Trans", low=0)
     model: Literal["published", "line"] = param(
-        "published", "rectangle (eq. 4.31), or a straight smear"
+        "published", "shape of the smear: rectangle (Tantalo's eq. 4.31), or straight line"
     )
 
     panel = (

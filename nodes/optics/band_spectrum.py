@@ -26,8 +26,8 @@ Responses = tuple[ResponseCurve, ...]
 DetectorResponse = Annotated[
     Path | None,
     Param(
-        "CSV of wavelength (µm) and detector response, which also weights the light; "
-        "empty: no response"
+        "CSV file of wavelength (µm) and detector response, which also weights the light; "
+        "empty: equal at all wavelengths"
     ),
 ]
 _KELVIN = ("K", "kelvin")

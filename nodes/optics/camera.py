@@ -330,8 +330,8 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
         ("cutoff", "cyc/mrad", "Diffraction cutoff at the middle wavelength of the band."),
         ("q", "", "λF/pitch: wavelength times F-number over pixel pitch; at 2, the optical cutoff "
          "equals Nyquist."),
-        ("gsd_x_m", "m", "Width of a pixel's footprint in the scene."),
-        ("gsd_y_m", "m", "Height of a pixel's footprint in the scene."),
+        ("gsd_x_m", "m", "Horizontal GSD: width of a pixel's footprint in the scene."),
+        ("gsd_y_m", "m", "Vertical GSD: height of a pixel's footprint in the scene."),
         *_ORBIT,
         table=lambda outputs: outputs.camera.recipe,
     )  # fmt: skip
@@ -425,8 +425,8 @@ def camera_figures(
         ("samples_per_pixel_y", _over(y, intervals_mrad[1]), "samples", "vertical"),
         ("cutoff", _over(sheet.aperture_mm, middle), "cyc/mrad", "diffraction cutoff"),
         ("q", _over(blur, sheet.pitch_x_um), "", "λF/pitch at the middle of the band"),
-        ("gsd_x_m", gsd[0], "m", "width of a pixel's footprint"),
-        ("gsd_y_m", gsd[1], "m", "height of a pixel's footprint"),
+        ("gsd_x_m", gsd[0], "m", "horizontal GSD: width of a pixel's footprint"),
+        ("gsd_y_m", gsd[1], "m", "vertical GSD: height of a pixel's footprint"),
         *_orbit_rows(sheet.orbit, *gsd),
     )  # fmt: skip
 

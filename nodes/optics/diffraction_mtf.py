@@ -295,7 +295,7 @@ class DiffractionMTF(
     def estimated_error(
         self, context: Context, magnitude: Magnitude, outputs: OtfOutputs
     ) -> float | Step | None:
-        """Estimated error due to the number of wavelengths; unknown for a fixed number."""
+        """Estimated OTF error due to the number of wavelengths; unknown for a fixed number."""
         if self.wavelengths != "auto" or self._bands(magnitude) is not None:
             return None
         return 0.0 if self._has_one_wavelength(context) else _needed(outputs, "error")

@@ -38,12 +38,12 @@ class Distortion(Module, key="distortion", title="Distortion", group="Optics"):
     The incoming picture must be free of distortion: distances from the axis are tangents of field
     angles. Coefficients, centre and signs follow OpenCV, with lengths divided by the focal length.
     `fisheye` with all coefficients at 0 is an f-θ lens. The module traces the ray of each sample
-    (to 1e-11) and interpolates the picture there from 8 × 8 samples. Sinusoids of up to 0.2 cycles
-    per sample are misplaced by less than 1e-3 sample. The picture is not filtered: if
-    `largest_step` is well above 1, sample the scene more finely. A lens with barrel distortion
-    images points beyond the frame. Give the scene more samples at the same interval; the scene's
-    field of view is samples times interval, not 2·atan(Np/2f) as for a lens. Set `width` and
-    `height` to the camera's samples. A warning gives the required sizes. Beyond the scene, the
+    (to 1e-11 of the focal length) and interpolates the picture there from 8 × 8 samples. Sinusoids
+    of up to 0.2 cycles per sample are misplaced by less than 1e-3 sample. The picture is not
+    filtered: if `largest_step` is well above 1, sample the scene more finely. A lens with barrel
+    distortion images points beyond the frame. Give the scene more samples at the same interval; the
+    scene's field of view is samples times interval, not 2·atan(Np/2f) as for a lens. Set `width`
+    and `height` to the camera's samples. A warning gives the required sizes. Beyond the scene, the
     outermost samples are repeated. MTF and noise are valid on the axis, where nothing is stretched.
     Sources: Brown 1966; Kannala and Brandt 2006; OpenCV, camera calibration.
     """

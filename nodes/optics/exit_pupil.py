@@ -170,7 +170,7 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
                 f"{100 * share:.0f} % of the disc open",
             ]
             if pupil.aberrated:
-                facts.append(f"rms {brief(float(seen.std()))} waves")
+                facts.append(f"WFE {brief(float(seen.std()))} waves rms")
             most = float(np.abs(seen).max(initial=0.0))
             picture = Picture(waves, -most, most, (wide, high), signed=True, unit="waves")
         across, down = Axis(-wide / 2, wide / 2, "samples"), Axis(high / 2, -high / 2)
@@ -210,8 +210,9 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
         size = wavefront.rows, wavefront.columns
         if wavefront.is_complex or (opening is not None and opening.is_complex):
             raise DataError(
-                "a complex pupil already contains its wavefront: set path to this file and leave "
-                "wavefront_path empty, or give amplitude and wavefront as two files of real numbers"
+                "wavefront_path cannot be used with a complex pupil, which already contains its "
+                "wavefront; leave wavefront_path empty and give the complex file in path, or give "
+                "amplitude and wavefront as two files of real numbers"
             )
         if wavefront.bands > 1:
             raise DataError(
@@ -251,7 +252,8 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
             return None
         return Caution(
             f"wavefront_path is not used by the shape {self.shape}",
-            "set shape to file: the aperture then comes from the map, or from path",
+            "set shape to file: the aperture then comes from path, or from the map if path is "
+            "empty",
         )
 
     @readout("samples")

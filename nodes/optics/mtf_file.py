@@ -248,7 +248,7 @@ class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics")
         return Caution(
             f"the picture is sharpened: the MTF rises to {highest:.4g}, but optics "
             "have an MTF of at most 1",
-            "check the table; an MTF above 1 comes from a sharpened picture",
+            "check the table; measure the MTF in pictures that are not sharpened",
         )
 
     @warning

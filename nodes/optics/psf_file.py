@@ -40,7 +40,7 @@ class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics")
             r"H(\xi,\eta)=\frac{\sum_{j,k}p_{jk}\,e^{-2\pi i(\xi x_k+\eta y_j)}}{\sum_{j,k}p_{"
             r"jk}}",
             where="p: samples of the file minus the background; x, y: their positions, mrad, "
-            "from the middle or the centroid",
+            "from the middle (centroid kept) or from the centroid (removed)",
         ),
     )
 

@@ -267,7 +267,7 @@ class MicrolensAngle(LightOverField, key="microlens", title="Microlens Angle", g
         Formula(
             r"L'=L\,R(\delta),\quad\delta=\left|\arctan(h\tan\alpha)-\arctan(h\tan\alpha_m)\right|",
             where="h: distance from the middle, 1 at the corner; α: chief_ray_deg; α_m: "
-            "matched_deg; R = 2^(−(δ/δ_half)²), or the curve in the file",
+            "matched_deg; R = 2^(−(δ/δ_half)²), or the file's curve if response is file",
         ),
     )
 

@@ -82,11 +82,11 @@ EXTENSION = fits([("XTENSION", "'IMAGE   '"), *CARDS[1:]], STORED.tobytes())
         ),
         (
             fits([*CARDS[:2], ("NAXIS", 2), ("NAXIS1", "3.9"), CARDS[4]], STORED.tobytes()),
-            "NAXIS1 = 3.9; allowed: a whole number from 1",
+            "NAXIS1 = 3.9; allowed: a whole number of 1 or more",
         ),
         (
             fits([*CARDS[:3], ("NAXIS1", 0), CARDS[4]], STORED.tobytes()),
-            "NAXIS1 = 0; allowed: a whole number from 1",
+            "NAXIS1 = 0; allowed: a whole number of 1 or more",
         ),
         (fits(CARDS[:4], STORED.tobytes()), "this FITS header is damaged: NAXIS2 is missing"),
         (
