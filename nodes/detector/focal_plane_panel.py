@@ -65,7 +65,9 @@ class FocalPlanePanel(SeededModule):
     source_K: float = param(
         5800.0, "temperature of the light source", (0, 1e6), above=True, slider=(1000, 6500)
     )
-    optics_transmission: float = param(1.0, "transmission of the optics", (0, 1), above=True)
+    optics_transmission: float = param(
+        1.0, "transmission of the optics, without the obscuration", (0, 1), above=True
+    )
     optics_K: float | None = param(
         None, "temperature of the optics; empty: no emission", (0, 1e4), slider=(200, 340)
     )

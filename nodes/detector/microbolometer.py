@@ -97,7 +97,9 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
     f_number: float | None = param(
         None, "F-number of the camera; empty: from Init & Trans", (0.1, 1000), slider=(0.5, 4)
     )
-    optics_transmission: float = param(1.0, "transmission of the optics", (0, 1), above=True)
+    optics_transmission: float = param(
+        1.0, "transmission of the optics, without the obscuration", (0, 1), above=True
+    )
     integration_time_s: float | None = param(
         None,
         "integration time of the camera; leave both integration times empty if they are equal",
@@ -127,7 +129,7 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
     )
     corner_Hz: float = param(
         0.0,
-        "corner frequency, where 1/f noise equals white noise; 0: no 1/f noise",
+        "corner frequency, where 1/f and white noise have equal spectral density; 0: no 1/f noise",
         (0, 1e9),
         slider=(0, 10),
     )

@@ -77,7 +77,7 @@ class Nuc(SeededModule, key="nuc", title="Non-Uniformity Correction", group="Det
     )
     drift_K: float = param(
         0.0,
-        "offset drift since the correction, rms between pixels, as scene temperature",
+        "offset drift since the correction: rms over the pixels, as a scene temperature",
         (0, 1e4),
         slider=(0, 1),
     )

@@ -117,7 +117,9 @@ class ElectronicsNoise(
     d_star: float | None = param(
         None, "D*, used instead of the material's D*", low=0, unit="cm √Hz/W"
     )
-    optics_transmission: float = param(1.0, "transmission of the optics", (0, 1), above=True)
+    optics_transmission: float = param(
+        1.0, "transmission of the optics, without the obscuration", (0, 1), above=True
+    )
     filter_transmission: float = param(
         1.0, "transmission of the optical filter", (0, 1), above=True
     )

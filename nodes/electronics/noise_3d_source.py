@@ -70,7 +70,8 @@ class Noise3DSource(
     )
     corner_Hz: float = param(
         0.0,
-        "corner frequency, where 1/f noise equals sigma_tvh; 0: no 1/f noise",
+        "corner frequency, where 1/f noise and sigma_tvh have equal spectral density; 0: no 1/f "
+        "noise",
         (0, 1e9),
         slider=(0, 10),
     )
@@ -89,7 +90,7 @@ class Noise3DSource(
             return
         if not self.sigma_tvh:
             allowed = (
-                "above 0 if corner_Hz is above 0, because 1/f noise equals sigma_tvh at corner_Hz"
+                "above 0 if corner_Hz is above 0, because sigma_tvh sets the level of the 1/f noise"
             )
             raise ParameterError("sigma_tvh", 0.0, allowed)
         self._band()
@@ -143,18 +144,18 @@ class Noise3DSource(
 
     @readout()
     def temporal(self) -> float:
-        """Total temporal noise of a sample, including 1/f noise, in the picture's unit."""
+        """Total rms temporal noise of a sample, including 1/f noise, in the picture's unit."""
         temporal = (self.sigma_tvh, self.sigma_tv, self.sigma_th, self.sigma_t)
         return hypot(*temporal, self._flicker_sigma())
 
     @readout()
     def fixed(self) -> float:
-        """Total fixed-pattern noise of a sample, in the picture's unit."""
+        """Total rms fixed-pattern noise of a sample, in the picture's unit."""
         return hypot(self.sigma_vh, self.sigma_v, self.sigma_h)
 
     @readout()
     def flicker(self) -> float:
-        """1/f noise alone, in the picture's unit."""
+        """Rms 1/f noise alone, in the picture's unit."""
         return self._flicker_sigma()
 
     def _band(self) -> FlickerBand:

@@ -298,7 +298,9 @@ def _is_misread(picture: Any, path: Path) -> bool:
     cmyk = colour == 5
     if 16 < bits < 32 or cmyk:
         what = "CMYK" if cmyk else f"{bits}-bit"
-        raise FileError(f"{path}: tiles of {what} samples cannot be read; store strips instead")
+        raise FileError(
+            f"{path}: tiles of {what} samples cannot be read; store the picture in strips"
+        )
     return bool(bits == 64)
 
 

@@ -69,7 +69,11 @@ class WriteImage(
     )
 
     path: Path | None = param(None, "file to write, relative to the network file's folder")
-    format: str = param(_BY_SUFFIX, "format of the file", choices=(_BY_SUFFIX, *_FORMATS))
+    format: str = param(
+        _BY_SUFFIX,
+        "format of the file; by_suffix: from the suffix of path",
+        choices=(_BY_SUFFIX, *_FORMATS),
+    )
     dtype: Dtype = param("automatic", "type of the stored samples")
     range_low: float | None = param(
         None, "sample stored as 0 by integer types", zero_is_empty=False

@@ -122,7 +122,7 @@ class RelativeMotionMTF(
         ),
         Formula(
             r"H=\mathrm{sinc}(b_x\xi+b_y\eta)",
-            where="for linear smear at constant velocity",
+            where="for a straight smear at constant velocity",
             when="line",
         ),
     )

@@ -436,8 +436,9 @@ def _rotation_caution(orbit: ground_geometry.OrbitView) -> Caution | None:
         return None
     share = 100.0 * _EARTH_M_PER_S / orbit.ground_speed_m_per_s
     return Caution(
-        f"the velocity is wrong by up to {share:.0f} %: at altitude_km = {orbit.altitude_km:g} the "
-        f"Earth's rotation, neglected here, is {share:.0f} % of the ground speed",
+        f"the scene's velocity is wrong by up to {share:.0f} %: at altitude_km = "
+        f"{orbit.altitude_km:g} the Earth's rotation, neglected here, is {share:.0f} % of "
+        "the ground speed",
         "enter the true velocity_m_per_s on Init & Trans",
     )
 

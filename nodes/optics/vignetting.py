@@ -80,7 +80,7 @@ class Vignetting(LightOverField, key="vignetting", title="Vignetting", group="Op
         "field_deg",
         "heights of the curve: field angle, image height, or fraction of the half diagonal",
     )
-    path: Path | None = param(None, "CSV of height and relative illumination, 1 on the axis")
+    path: Path | None = param(None, "CSV file of height and relative illumination, 1 on the axis")
     coefficients: tuple[float, ...] = param((), "c₁, c₂, …: factors of h², h⁴, …", (-1e9, 1e9))
     focal_length_mm: float | None = param(
         None,
@@ -99,7 +99,9 @@ class Vignetting(LightOverField, key="vignetting", title="Vignetting", group="Op
 
     def check(self) -> None:
         if self.measured == "file" and self.path is None:
-            raise ParameterError("path", None, "give a CSV of height and relative illumination")
+            raise ParameterError(
+                "path", None, "give a CSV file of height and relative illumination"
+            )
         if self.measured == "polynomial" and not self.coefficients:
             raise ParameterError("coefficients", (), "at least one number, such as -0.3")
 
