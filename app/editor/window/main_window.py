@@ -385,7 +385,7 @@ class MainWindow(QMainWindow):
         self.status.forget(closed=True)
         self._make_room(empty=not self.session.network.nodes)
         # Once the canvas has its place: it may not have been shown yet.
-        QTimer.singleShot(0, self.canvas.frame_all)
+        QTimer.singleShot(0, self.canvas.view, self.canvas.frame_all)
 
     def _changed(self, *_: object) -> None:
         self.status.forget()
@@ -397,7 +397,9 @@ class MainWindow(QMainWindow):
     def _make_room(self, *, empty: bool) -> None:
         if not empty and self.layout_in_use.lacks_docks:  # the first node stays in sight
             view, content = self.canvas.view, self.canvas.content
-            QTimer.singleShot(_LAID_OUT_MS, lambda: view.make_visible(content.bounds()))
+            QTimer.singleShot(
+                _LAID_OUT_MS, view, lambda: view.make_visible(content.bounds())
+            )  # unless the window was closed meanwhile
         self.layout_in_use.make_room(empty=empty)
         self.figures.setHidden(empty)
 

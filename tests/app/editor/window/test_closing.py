@@ -38,6 +38,17 @@ def assert_alive(window, qtbot, folder):
 # --- modified ----------------------------------------------------------------------------------
 
 
+def test_a_window_may_go_before_its_docks_have_their_places(make_window, qtbot):
+    window = make_window()
+    window.files.new()
+    assert window.layout_in_use.lacks_docks
+    window.files.open_now("first_steps")  # they come back, and the canvas waits for their places
+    window.close_for_good()
+    window.canvas.view.deleteLater()
+    qtbot.wait(100)  # an error on Qt's loop fails the test
+    assert not window.isVisible()
+
+
 def test_work_is_asked_for_until_it_is_saved(window, hand, qtbot, idle, tmp_path):
     """Quitting in the middle of a number asks for it: it has not been entered yet."""
     name = add(window, "jitter_mtf")
