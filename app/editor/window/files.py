@@ -6,11 +6,12 @@ from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
-from PySide6.QtCore import QEvent, QObject, QPointF, Signal
+from PySide6.QtCore import QEvent, QObject, QPointF, QTimer, Signal
 from PySide6.QtGui import QDropEvent
 from PySide6.QtWidgets import QWidget
 
 from app.editor.canvas.canvas import Canvas
+from app.editor.evaluation.evaluator import Evaluator
 from app.editor.library_view import LibraryView
 from app.editor.messages import ROLE, FileDialog, Question, SaveDialog, drop_dialogs, show_beside
 from app.editor.session import Level, Session
@@ -353,24 +354,50 @@ class Drops(QObject):
 
 # The presets of the library: added as macros, and saved from them.
 
+_REST_MS = 200
+
 
 class PresetShelf(QObject):
+    """Presets of the library; all are read when asked for, or once the window is at rest.
+
+    Reading them takes 0.2 s, for which the first picture does not wait.
+    """
+
     def __init__(
-        self, level: Level, canvas: Canvas, library_view: LibraryView, folder: Path, parent: QObject
+        self,
+        level: Level,
+        canvas: Canvas,
+        library_view: LibraryView,
+        folder: Path,
+        evaluator: Evaluator,
     ) -> None:
-        super().__init__(parent)
+        super().__init__(library_view)
         self._level = level
+        self._evaluator = evaluator
         self._canvas = canvas
         self._view = library_view
         self.folder = folder
-        self.presets: tuple[Preset, ...] = ()
-        self.refresh()
+        self._listed: tuple[Preset, ...] | None = None
+        self._rest = QTimer(self, interval=_REST_MS)
+        self._rest.timeout.connect(self._at_rest)
+        self._rest.start()
+        library_view.filter.textEdited.connect(lambda _: self.presets)
         canvas.surface.preset_dropped.connect(self._add_at)
 
-    def refresh(self) -> None:
+    def _at_rest(self) -> None:
+        if self._evaluator.idle:
+            self.refresh()
+
+    @property
+    def presets(self) -> tuple[Preset, ...]:
+        return self.refresh() if self._listed is None else self._listed
+
+    def refresh(self) -> tuple[Preset, ...]:
         library = self._level.library
-        self.presets = (*shipped_presets(library), *own_presets(self.folder, library))
-        self._view.show_presets(self.presets)
+        self._rest.stop()
+        self._listed = (*shipped_presets(library), *own_presets(self.folder, library))
+        self._view.show_presets(self._listed)
+        return self._listed
 
     def _add_at(self, key: str, point: QPointF) -> None:
         self.add(key, (round(point.x()), round(point.y())))

@@ -75,7 +75,11 @@ class MainWindow(QMainWindow):
         self.edits = EditCommands(self.level, self.canvas, self)
         self.help = Help(self.session, self.viewers, self)
         self.shelf = PresetShelf(
-            self.level, self.canvas, self.library_view, settings.path.parent / "presets", self
+            self.level,
+            self.canvas,
+            self.library_view,
+            settings.path.parent / "presets",
+            self.evaluator,
         )
         self.panels.sets_folder = self.shelf.folder / "parameters"
         self.panels.illustrations = settings.illustrations

@@ -145,6 +145,7 @@ def make_window(qtbot, library, settings, tmp_path):
             window.resize(1600, 900)
         window.show()
         qtbot.waitExposed(window)
+        assert window.shelf.presets  # they would come to the library while the test looks at it
         return window
 
     yield make
