@@ -102,7 +102,8 @@ def unit_of(name: str) -> str:
 class ParameterError(InputError):
     """A parameter whose value is not allowed: name, value, unit and range in one line.
 
-    Without a unit it is the one that the name ends in. `also` names others that are empty too.
+    Without a unit it is the one that the name ends in. `also` names others that are empty too. A
+    `clause` says itself what is wrong, whatever its first word: it may be a name such as 3-D Noise.
     """
 
     def __init__(
@@ -114,11 +115,12 @@ class ParameterError(InputError):
         unit: str | None = None,
         node: str | None = None,
         also: Sequence[str] = (),
+        clause: bool = False,
     ) -> None:
         unit = unit_of(parameter) if unit is None and not also else unit
         self.parameters = (parameter, *also)
         # It is a range or a noun, or a clause already.
-        rule = f"must be {allowed}" if _RANGE.match(allowed) else allowed
+        rule = allowed if clause or not _RANGE.match(allowed) else f"must be {allowed}"
         if value is None:
             verb = "are" if also else "is"
             its_unit = f" ({unit})" if unit and unit != unit_of(parameter) else ""
@@ -139,7 +141,7 @@ def listed(names: Sequence[str]) -> str:
 
 
 _RANGE = re.compile(
-    r"(?:an?|one|two|true|single|finite|equal|numbers?|points|above|below|from|within"
+    r"(?:an?|one|two|true|text|single|finite|equal|numbers?|above|below|from|within"
     r"|at (?:least|most)|large enough)\b|[-(]?\d"
 )
 

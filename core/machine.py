@@ -290,7 +290,7 @@ class ScratchDisk:
         if error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG):
             return (
                 f"the scratch folder {self.folder} has no room for another {amount_text(size)} "
-                f"in addition to {amount_text(self._bytes)} already written: choose another "
+                f"in addition to {amount_text(self._bytes)} already written. Choose another "
                 "scratch folder"
             )
         return f"cannot write to the scratch folder {self.folder}: {error.strerror or error}"

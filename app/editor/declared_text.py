@@ -323,4 +323,4 @@ def typed_number(text: str, parameter: Parameter) -> float | int | str | None:
     try:
         return value_of(parse_expression(written), unit=parameter.param.unit)
     except ExpressionError as error:
-        raise ParameterError(parameter.name, text, error.message) from None
+        raise ParameterError(parameter.name, text, error.message, clause=True) from None

@@ -50,8 +50,8 @@ def _lead(measured: PictureMeasurement) -> str:
     interval = ""
     if measured.interval_x_mrad is not None and measured.interval_y_mrad is not None:
         interval = (
-            f"; samples {number(_short(measured.interval_x_mrad))} × "
-            f"{number(_short(measured.interval_y_mrad))} mrad apart"
+            f"; sampling interval {number(_short(measured.interval_x_mrad))} × "
+            f"{number(_short(measured.interval_y_mrad))} mrad"
         )
     return f"{what} of {measured.columns} × {measured.rows} samples{unit}{interval}."
 
@@ -67,7 +67,7 @@ def _edges(measured: PictureMeasurement) -> list[Block]:
     for preview in measured.previews:
         name = measured.picture_name(preview.picture)
         caption = (
-            f"{name}. The tables below use the same edge numbers. Grey levels span the 0.1 % to "
+            f"{name}. The tables below refer to edges by number. Grey levels span the 0.1 % to "
             "99.9 % quantiles."
         )
         drawn = edges_png(measured, preview)
@@ -120,10 +120,10 @@ def _edge_tables(measured: PictureMeasurement) -> list[Block]:
             Grid((*_PLACE, "step", "step/noise", "MTF50"), rows, numbers=range(1, 8)),
             Text(
                 "MTF50 in cycles/sample along the edge's normal. Edges with a normal within "
-                f"{LARGEST_ANGLE_DEG:g}° of 0° or 180° give the horizontal MTF, near ±90° the "
-                "vertical MTF. The value after ± is the standard error that the horizontal or "
-                "vertical MTF50 would have with this edge alone. Edges in other directions show "
-                "how the blur changes with direction."
+                f"{LARGEST_ANGLE_DEG:g}° of 0° or 180° give the horizontal MTF; a normal within "
+                f"{LARGEST_ANGLE_DEG:g}° of ±90° gives the vertical MTF. The value after ± is the "
+                "standard error that the horizontal or vertical MTF50 would have with this edge "
+                "alone. Edges in other directions show how the blur changes with direction."
             ),
         ]
     if refused:

@@ -213,7 +213,7 @@ def _dark_level(path: Path, first: results.PictureFile, check: Callable[[], None
     if (dark.rows, dark.columns) != (first.rows, first.columns):
         raise DataError(
             f"{path} has {dark.columns} × {dark.rows} samples, but {first.path} has "
-            f"{first.columns} × {first.rows}: give frames from one camera"
+            f"{first.columns} × {first.rows}. Give frames from one camera"
         )
     means = []
     for frame in dark.each():
@@ -351,8 +351,8 @@ def pooled(
         return None, _no_edge([edge for edge in edges if edge.direction == direction], direction)
     if together.edges == 1 and exceeds_one(together, _OVERSHOOT):
         return None, (
-            f"the only edge that would give this MTF overshoots (to {together.mtf.max():.2f}), and "
-            "no other edge confirms the overshoot"
+            "the only edge that would give this MTF overshoots (its MTF reaches "
+            f"{together.mtf.max():.2f}), and no other edge confirms the overshoot"
         )
     return together, ""
 

@@ -306,7 +306,7 @@ def same_size(files: Sequence[PictureFile]) -> None:
         if (file.rows, file.columns) != (first.rows, first.columns):
             raise DataError(
                 f"{file.path} has {file.columns} × {file.rows} samples, but {first.path} has "
-                f"{first.columns} × {first.rows}: give pictures from one camera"
+                f"{first.columns} × {first.rows}. Give pictures from one camera"
             )
 
 
@@ -318,6 +318,6 @@ def common_limits(files: Sequence[PictureFile]) -> tuple[float, float] | None:
         if (low, high) != ends:
             raise DataError(
                 f"{path} stores whole numbers from {low:g} to {high:g}, but {first} from "
-                f"{ends[0]:g} to {ends[1]:g}: give pictures from one camera, stored the same way"
+                f"{ends[0]:g} to {ends[1]:g}. Give pictures from one camera, stored the same way"
             )
     return known[0][1] if len(known) == len(files) else None

@@ -54,12 +54,12 @@ def transfer_rows(curve: PhotonTransfer) -> list[tuple[str, float | None, str, s
          "µe.min of EMVA 1288: signal at SNR 1"),
         ("emva_dynamic_range_dB", _decibels(emva.dynamic_range), "dB", "µe.sat divided by µe.min"),
         ("snr_max_dB", _decibels(emva.snr_max), "dB", "√µe.sat"),
-        ("dsnu_row_e", emva.dsnu_row_e, "e-", "DSNU of whole rows"),
-        ("dsnu_column_e", emva.dsnu_column_e, "e-", "DSNU of whole columns"),
-        ("dsnu_pixel_e", emva.dsnu_pixel_e, "e-", "DSNU of single pixels"),
-        ("prnu_row_percent", emva.prnu_row_percent, "%", "PRNU of whole rows"),
-        ("prnu_column_percent", emva.prnu_column_percent, "%", "PRNU of whole columns"),
-        ("prnu_pixel_percent", emva.prnu_pixel_percent, "%", "PRNU of single pixels"),
+        ("dsnu_row_e", emva.dsnu_row_e, "e-", "row component of DSNU"),
+        ("dsnu_column_e", emva.dsnu_column_e, "e-", "column component of DSNU"),
+        ("dsnu_pixel_e", emva.dsnu_pixel_e, "e-", "pixel component of DSNU"),
+        ("prnu_row_percent", emva.prnu_row_percent, "%", "row component of PRNU"),
+        ("prnu_column_percent", emva.prnu_column_percent, "%", "column component of PRNU"),
+        ("prnu_pixel_percent", emva.prnu_pixel_percent, "%", "pixel component of PRNU"),
     ]  # fmt: skip
 
 
@@ -108,8 +108,8 @@ class TransferMeasurement:
             lines.append("read noise and full well need --dark FILE, or --offset-dn DN")
         if curve.offset_dn is not None and curve.full_well_e is None:
             lines.append(
-                "no level is saturated: the full well is above the brightest level; "
-                "add a brighter level"
+                "no level is saturated, so the full well is above the brightest level. "
+                "Add a brighter level"
             )
         return lines
 
@@ -293,7 +293,7 @@ def _refuse_useless(file: FrameFile, good: NDArray[np.float64], field: FlatField
         raise DataError(f"{file.path}: the samples are too large for their variance to be computed")
     if not field.temporal_dn2 > 0.0:
         raise DataError(
-            f"{file.path}: all frames are the same: the field is saturated, rounding hides the "
+            f"{file.path}: all frames are the same. The field is saturated, rounding hides the "
             "noise, or the file repeats one frame"
         )
     if not float(np.median(np.abs(good - np.median(good)))) > 0.0:
@@ -302,8 +302,8 @@ def _refuse_useless(file: FrameFile, good: NDArray[np.float64], field: FlatField
         many = int(np.count_nonzero(good == end))
         if many > max(_PILED_UP * good.size, _CHANCE):
             raise DataError(
-                f"{file.path}: {100.0 * many / good.size:.2g} % of the samples are {end:.6g}: "
-                f"the field is {what}, so its mean and noise cannot be used. Change the "
+                f"{file.path}: {100.0 * many / good.size:.2g} % of the samples are {end:.6g}. "
+                f"The field is {what}, so its mean and noise cannot be used. Change the "
                 "temperature, the exposure or the offset"
             )
 

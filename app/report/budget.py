@@ -133,10 +133,10 @@ def budget(facts: Fact) -> list[Block]:
     noise, blur = contributions["noise"], contributions["blur"]
     blocks: list[Block] = [Heading(2, "Contributions to noise and blur")]
     if noise or blur:
-        told = ["Noise: share of the variance in the final picture."] if noise else []
+        told = ["Noise: share of the noise variance in the final picture."] if noise else []
         told += ["Blur: share of −ln |MTF| at half the Nyquist frequency."] if blur else []
         caption = " ".join(told)
-        caption += of_many(len(noise["sources"]), "noises") if noise else ""
+        caption += of_many(len(noise["sources"]), "noise sources") if noise else ""
         caption += of_many(len(blur["stages"])) if blur else ""
         blocks.append(Drawn(bars_png(noise, blur), caption, "shares of noise and blur"))
     for what, section, shares in (("Noise", _noise, noise), ("Blur", _blur, blur)):

@@ -190,7 +190,7 @@ def _published(facts: dict[str, Any]) -> list[Block]:
         marks = {REPRODUCED: "good", DIFFERENT: "bad"}
         blocks += [
             Heading(2, "Comparison with published figures"),
-            Text(f"{good} of {len(rows)} reproduced."),
+            Text(f"Published figures reproduced: {good} of {len(rows)}."),
             Grid(heads, list(map(_published_cells, rows)), (2, 3), {5: marks}, "published"),
         ]
     if facts["conflicts"]:
@@ -331,8 +331,8 @@ def data_sheet(facts: Fact) -> list[Block]:
         shown = [(r["label"], r["node"], _rounded(r["x"]), _rounded(r["y"])) for r in mtf["rows"]]
         blocks.append(Grid(("stage", "node", "horizontal", "vertical"), shown, numbers=(2, 3)))
         rer = f"{_rounded(mtf['edge_x'])} horizontal, {_rounded(mtf['edge_y'])} vertical"
-        what = "the share of its height by which a sharp edge rises within one pixel"
-        blocks.append(Text(f"Relative edge response (RER): {rer}. It is {what}."))
+        what = "the rise of a blurred edge across one pixel, as a fraction of the edge's height"
+        blocks.append(Text(f"Relative edge response (RER): {rer}. RER is {what}."))
     return blocks
 
 
@@ -376,18 +376,18 @@ def transfer(evaluation: Evaluation, facts: Fact) -> list[Block]:
             "b. vertical. "
         )
         caption += (
-            "Total: the product before pixels are combined."
+            "Total: the product of the MTFs before pixels are combined."
             if chain.cascade
-            else "The stages are not in one chain, so they have no product (total): "
-            f"{chain.missing}."
+            else f"The stages are not in one chain, so there is no total MTF: {chain.missing}."
         )
         caption = named(caption, drawn_as.get("stages"))
         blocks += _stages(evaluation, responses, caption, "every stage")
     if acting and responses.products:
-        caption = "The product of all stages, horizontal and vertical."
+        caption = "Product of the MTFs of all stages, horizontal and vertical."
         if responses.products[1:]:
             caption = (
-                "The product of all stages including the electronics, horizontal and vertical."
+                "Product of the MTFs of all stages, including the electronics, horizontal and "
+                "vertical."
             )
         drawn = product_png(responses, chain)
         blocks.append(Drawn(drawn, named(caption, drawn_as.get("total")), "product of the MTFs"))
@@ -431,13 +431,13 @@ _KINDS = {
     "identity": ("the node", "the settings leave the picture unchanged", ""),
     "below_budget": (
         "a stage",
-        "the effect is below the error budget, {budget} of the range",
-        "at most {bound}",
+        "the effect is below the error budget, {budget} of the picture's range",
+        "at most {bound} of the range",
     ),
     "wavelengths": (
         "Fourier transforms of every band",
         "a few wavelengths represent all bands",
-        "{share} % of the transforms computed, error at most {bound} of the contrast",
+        "{share} % of the transforms computed, error at most {bound} of a band's rms contrast",
     ),
     "region": ("pictures outside a region", "only the region is needed", "{share} % computed"),
     "unchanged": (
@@ -477,7 +477,7 @@ def state(listed: list[Fact]) -> str:
         if fact["kind"] == "identity":
             return "neutral: skipped"
         if fact["kind"] == "below_budget":
-            return f"left out: effect at most {short(fact['bound'], 2)}"
+            return f"left out: effect at most {short(fact['bound'], 2)} of the range"
     return ""
 
 

@@ -350,7 +350,7 @@ def _refuse_without_room(needed: int, scratch: Path) -> None:
     if needed > free:
         raise FileError(
             f"the scratch folder {scratch} has {amount_text(free)} free, and a run in blocks "
-            f"needs at least {amount_text(needed)}: choose another folder",
+            f"needs at least {amount_text(needed)}. Choose another folder",
             hint="name the folder with --scratch",
         )
 

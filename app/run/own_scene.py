@@ -181,7 +181,7 @@ class _Replacing:
         unit = _worded(own.unit)
         if not (unit or info.unit):
             raise UsageError(
-                f"{info.path}: the file does not give the unit of its bands: give "
+                f"{info.path}: the file does not give the unit of its bands. Give "
                 f"{self._own.named('unit')}, such as W/m²/sr/µm"
             )
         if unit == RELATIVE:

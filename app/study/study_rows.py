@@ -104,8 +104,9 @@ class Workers:
         made: Any = Security
         if scheduler.startswith(WITH_TLS) and made().tls_client_cert is None:
             raise errors.UsageError(
-                f"{what}: give the files that the scheduler was started with in Dask's settings "
-                "distributed.comm.tls.ca-file, .client.cert and .client.key"
+                f"{what}: Dask's settings have no TLS client certificate. Set "
+                "distributed.comm.tls.ca-file, .client.cert and .client.key to the files with "
+                "which the scheduler was started"
             )
 
     @property
@@ -309,7 +310,7 @@ class Journal:
             raise errors.UsageError(
                 f"{self._output}: another study, or this study with other inputs, was started "
                 f"there and is not finished ({errors.several(len(lines) - 1, 'row')} in "
-                f"{self.path.name}); --fresh discards its rows"
+                f"{self.path.name}); --fresh discards these rows"
             )
         for self._end, entry in lines:
             if isinstance(entry, list) and len(entry) == len(Row._fields):

@@ -151,8 +151,8 @@ def poisson_field(
         faulty = np.argwhere(~((mean >= 0.0) & (mean < np.inf)))
         first = tuple(int(place) for place in faulty[0])
         raise DataError(
-            f"Poisson means: {len(faulty)} of {mean.size} samples negative or not finite;"
-            f" the first is {float(mean[first])!r} at {first}"
+            "Poisson means must be finite and 0 or above. Samples that are negative or not "
+            f"finite: {len(faulty)} of {mean.size}; the first is {float(mean[first])!r} at {first}"
         )
     counts = mean if in_place else np.empty(mean.shape, mean.dtype)
     flat_counts, flat_means = counts.reshape(counts.size), np.ravel(mean)

@@ -69,7 +69,7 @@ class _Account:
 
     def of_node(self, name: str, planned: PlannedNode) -> Iterator[Skip]:
         if planned.node.disabled:
-            yield Skip(name, "disabled", "switched off: the input is passed on")
+            yield Skip(name, "disabled", "disabled: the input is passed on")
             return
         if planned.is_neutral:
             yield Skip(name, "identity", "the settings change nothing: the input is passed on")

@@ -38,7 +38,7 @@ class Policy:
         if self.precision not in ("single", "double"):
             raise ParameterError("precision", self.precision, "single or double")
         if self.tolerance is not None and not 0 <= self.tolerance < 1:
-            raise ParameterError("tolerance", self.tolerance, "0 ≤ tolerance < 1")
+            raise ParameterError("tolerance", self.tolerance, "at least 0 and below 1")
         if not 0 <= self.threads <= 1024:
             raise ParameterError("threads", self.threads, "0 (all) to 1024")
 

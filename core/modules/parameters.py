@@ -68,7 +68,7 @@ class Parameter:
             "number": "a number",
             "integer": "a whole number",
             "switch": "true or false",
-            "text": "a text",
+            "text": "text",
             "path": "a file name",
             "numbers": "a list of numbers",
         }[self.kind]
@@ -169,9 +169,8 @@ def coerce_all(
     for name in values:
         if name not in names:
             known = ", ".join(names) or "none"
-            raise ParameterError(
-                name, values[name], f"{title} has no such parameter; its parameters: {known}"
-            )
+            allowed = f"{title} has no such parameter; its parameters: {known}"
+            raise ParameterError(name, values[name], allowed, clause=True)
     result = {}
     for parameter in parameters:
         value = values.get(parameter.name)

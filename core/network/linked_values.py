@@ -225,7 +225,7 @@ class _Survey:
         for loop in cycles(graph):
             way = way_round(f"{shown(node)}.{name}" for node, name in map(tuple, loop))
             for node, name in map(tuple, loop):
-                why = f"the parameter follows itself: {way}; give one of these parameters a value"
+                why = f"the parameter follows itself: {way}, so one of these needs a plain value"
                 self._refuse((node, name), why)
 
     def evaluate(self) -> None:
@@ -273,7 +273,9 @@ class _Survey:
         if place in self.values:
             return _number(self.values[place], text)
         if place in self.faults or place in self.parsed:
-            raise expressions.ExpressionError(f"{text} has no value; correct that parameter first")
+            raise expressions.ExpressionError(
+                f"{text} has no value until its own error is corrected"
+            )
         module = self.library.get(node.module)
         if module is None:
             raise expressions.ExpressionError(f"{text} belongs to an unknown module")
@@ -316,10 +318,8 @@ def _parsed(raw: Mapping[str, Any], parameter: Parameter) -> expressions.Express
             f"remove {others:.80}: only the expression itself is allowed"
         )
     if parameter.kind not in ("number", "integer"):
-        kind = {"switch": "a switch", "choice": "a choice", "path": "a file name"}
-        what = kind.get(parameter.kind, "text" if parameter.kind == "text" else "a list")
         raise expressions.ExpressionError(
-            f"{_ONLY}, but this parameter is {what}: {parameter.allowed()}"
+            f"{_ONLY}, but this parameter must be {parameter.allowed()}"
         )
     return expressions.parse_expression(text)
 

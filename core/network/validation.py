@@ -128,7 +128,9 @@ class _Survey:
             elif name not in known:
                 hint = self._close(name, known)
                 allowed = f"{declared.title} has no such parameter{hint or _listed(known)}"
-                self.faults.append(ParameterError(shown(name), value, allowed, node=node.id))
+                self.faults.append(
+                    ParameterError(shown(name), value, allowed, node=node.id, clause=True)
+                )
             else:
                 self._attempt(node, known[name].coerce, value)
         for name, parameter in known.items():
@@ -297,9 +299,8 @@ def _of_macro(node: Node, body: Network, library: Library) -> Iterator[Imagechai
         if name not in face.parameters:
             hint = close(name, face.parameters) or _listed(face.parameters)
             title = body.name or "the macro"
-            yield ParameterError(
-                shown(name), value, f"{title} shows no such parameter{hint}", node=node.id
-            )
+            allowed = f"{title} shows no such parameter{hint}"
+            yield ParameterError(shown(name), value, allowed, node=node.id, clause=True)
 
 
 def _shown(face: Interface) -> Iterator[tuple[str, str, End]]:

@@ -88,7 +88,7 @@ def known_parameter(
         names = [candidate.name for candidate in declared.parameters]
         hint = close(name, names) or f"; its parameters: {', '.join(names) or 'none'}"
         allowed = f"{declared.title} has no such parameter{hint}"
-        raise ParameterError(shown(name), value, allowed, node=node)
+        raise ParameterError(shown(name), value, allowed, node=node, clause=True)
     return parameter
 
 

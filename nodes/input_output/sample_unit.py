@@ -117,7 +117,8 @@ def _typed(text: str) -> RadianceUnit | None:
     try:
         return radiance_unit(text)
     except DataError as error:
-        raise ParameterError("unit", text, error.message.partition("; allowed: ")[2]) from error
+        allowed = f"must be {error.message.partition('; allowed: ')[2]}"
+        raise ParameterError("unit", text, allowed) from error
 
 
 def _of_typed(

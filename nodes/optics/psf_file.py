@@ -95,7 +95,8 @@ class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics")
             source = lens_source(self.path, here, band=self.band or 0)
             if self.band is None and source.bands > 1:
                 allowed = (
-                    f"{source.file.name} has {source.bands} bands; choose 0 to {source.bands - 1}"
+                    f"the file {source.file.name} has {source.bands} bands; choose 0 to "
+                    f"{source.bands - 1}"
                 )
                 raise ParameterError("band", None, allowed)
             blur, shift = self._factors(source, context, here)
@@ -133,8 +134,8 @@ class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics")
             across, unit = source.spacing_um, "um"
         if across is None:
             allowed = (
-                f"{source.file.name} does not state its sampling interval; give the interval in µm "
-                "at the focal plane or in mrad"
+                f"the file {source.file.name} does not state its sampling interval; give the "
+                "interval in µm at the focal plane or in mrad"
             )
             raise ParameterError("sample_pitch", None, allowed)
         along = across if self.sample_pitch_y is None else self.sample_pitch_y

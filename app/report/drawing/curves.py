@@ -174,7 +174,7 @@ def line_png(responses: Responses, angle_deg: float) -> bytes:
         axis = drawn.subplots()
         panel(axis, responses, None, drawn_stages(responses, "mtf"), "mtf", "x")
         axis.set_title(f"MTFs at {angle_deg:g}° from horizontal")
-        axis.set_xlabel("frequency along the line (cyc/mrad)")
+        axis.set_xlabel("frequency in this direction (cyc/mrad)")
         drawn.legend(loc="outside lower center", ncols=2, fontsize=8.5)
     return out.getvalue()
 

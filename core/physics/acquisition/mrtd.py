@@ -323,7 +323,7 @@ def perceived_share(
     power = np.ones((1, 1)) if spectrum is None else numerics.all_from_zero("spectrum", spectrum)
     if power.ndim != 2 or not power.sum() > 0.0:
         raise ParameterError(
-            "spectrum.shape", power.shape, "two-dimensional, and the total power above 0"
+            "spectrum.shape", power.shape, "two-dimensional, with a total power above 0"
         )
     rows, columns = power.shape
     # A white spectrum is one cell: cut finely enough for the channel's logarithm.

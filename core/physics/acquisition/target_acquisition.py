@@ -103,7 +103,7 @@ def coloured_share(
     power = all_from_zero("spectrum", spectrum)
     if power.ndim != 2 or not power.sum() > 0.0:
         raise ParameterError(
-            "spectrum.shape", power.shape, "two-dimensional, and the total power above 0"
+            "spectrum.shape", power.shape, "two-dimensional, with a total power above 0"
         )
     along_y = _share_of_cells(length_y_mrad, noise_bandwidth_y_cyc_per_mrad, power.shape[0])
     along_x = _share_of_cells(length_x_mrad, noise_bandwidth_x_cyc_per_mrad, power.shape[1])

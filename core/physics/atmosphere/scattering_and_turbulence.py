@@ -171,7 +171,7 @@ def path_optical_depth(
     elif view != "horizontal":
         raise ParameterError("view", view, "one of horizontal, vertical, up")
     if not math.isfinite(scattering * path_km):
-        raise ParameterError("path_m", path_m, "a path with a finite optical depth", unit="m")
+        raise ParameterError("path_m", path_m, "the optical depth must be finite", unit="m")
     return scattering * path_km
 
 

@@ -328,7 +328,7 @@ def _checked(
         if thickness_um is None or not depletion < thickness_um < math.inf:
             allowed = (
                 "the thickness of a back-illuminated detector must be above "
-                f"depletion_um = {depletion:g}"
+                f"depletion_um = {depletion:g} µm"
             )
             raise ParameterError("thickness_um", thickness_um, allowed, unit="µm")
         bulk = thickness_um - depletion

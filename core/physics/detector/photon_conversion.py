@@ -60,7 +60,7 @@ class QuantumEfficiency:
             raise ParameterError(
                 "response",
                 f"{first:g} to {last:g} µm",
-                f"points that overlap the band, {self.cut_on_um:g} to {self.cut_off_um:g} µm",
+                f"must overlap the band, {self.cut_on_um:g} to {self.cut_off_um:g} µm",
             )
 
     def at(self, wavelength_um: ArrayLike) -> Floats:
@@ -345,8 +345,8 @@ class PhotonWeights:
             if not radiance > 0.0:
                 low, high = self.band_um
                 raise DataError(
-                    f"a source of {self.source_K:g} K emits nothing from {low:g} to {high:g} µm: "
-                    "give a higher source_K"
+                    f"a source of {self.source_K:g} K emits nothing from {low:g} to {high:g} µm. "
+                    "Raise source_K"
                 )
             return float(self._counted.photons(self.source_K)) / radiance
         low = max(self.band_um[0], efficiency.cut_on_um)

@@ -419,7 +419,7 @@ def _check(levels: Sequence[FlatField], dark: FlatField | None) -> None:
     if dark is not None and dark.mean_dn >= brightest:
         raise DataError(
             f"the dark frames' mean, {dark.mean_dn:.6g}, is not below the mean of the "
-            f"brightest level, {brightest:.6g}: give frames taken in the dark as --dark"
+            f"brightest level, {brightest:.6g}. Give frames taken in the dark as --dark"
         )
 
 

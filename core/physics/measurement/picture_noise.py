@@ -108,7 +108,7 @@ def noise_of_picture(
     if largest > _LARGEST or 0.0 < largest < _SMALLEST:
         raise DataError(
             "noise can be measured only if the picture's largest number is between "
-            f"{_SMALLEST:g} and {_LARGEST:g}, not {largest:.3g}: give the picture in another "
+            f"{_SMALLEST:g} and {_LARGEST:g}, not {largest:.3g}. Give the picture in another "
             "unit"
         )
     low, high = sample_noise.clipped_ends(picture=picture)

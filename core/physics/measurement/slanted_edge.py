@@ -139,7 +139,7 @@ def _follow(signal: Matrix, line: EdgeLine, columns: int) -> EdgeLine:
     usual = float(np.median(weight))
     if not np.min(weight) > 0.2 * usual:
         raise DataError(
-            "no edge found that runs through every row of the region: choose a region with one "
+            "no edge found that runs through every row of the region. Choose a region with one "
             "edge and little else"
         )
     places = middle + np.sum(window * signal * away, axis=1) / weight

@@ -97,9 +97,7 @@ def thermal_response(fields: Sequence[ThermalField]) -> ThermalResponse:
     kelvin = np.array([one.temperature_K for one in ordered])
     many = len(set(kelvin.tolist()))
     if many < 2:
-        raise DataError(
-            "SiTF is the change in signal with temperature: give frames at two or more temperatures"
-        )
+        raise DataError(f"SiTF needs frames at two or more temperatures, not {many}")
     means = np.array([one.field.mean_dn for one in ordered])
     variance = np.array([_variance_of_mean(one.noise) for one in ordered])
     middle = float(kelvin[0] + kelvin[-1]) / 2.0

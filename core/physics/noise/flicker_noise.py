@@ -218,8 +218,8 @@ def _without_undershoot(means: Floats) -> Floats:
         raise DataError("Poisson noise: the picture has samples that are not finite")
     if lowest < -_ROUNDING * max(highest, 0.0):
         raise DataError(
-            f"Poisson noise: {np.count_nonzero(means < 0.0)} of {means.size} means below 0"
-            f" (the lowest is {lowest:.6g}): photon counts cannot be negative"
+            "Poisson noise: photon counts cannot be negative. Means below 0: "
+            f"{np.count_nonzero(means < 0.0)} of {means.size}; the lowest is {lowest:.6g}"
         )
     return np.maximum(means, means.dtype.type(0.0), out=means)
 

@@ -110,7 +110,7 @@ def harvey_scatter(*, b_per_sr: float, s: float, l_mrad: float) -> float:
         raise ParameterError(
             "b_per_sr",
             b,
-            f"the surface would scatter {total:.3g} times the incident light; lower this value",
+            f"the total integrated scatter would be {total:.3g}, above 1; lower this value",
         )
     return total
 

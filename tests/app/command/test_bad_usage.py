@@ -27,7 +27,7 @@ USAGE = {
             "--scheduler",
             "tls://127.0.0.1:8786",
         ],
-        "Dask's settings distributed.comm.tls.ca-file, .client.cert and .client.key",
+        "Dask's settings have no TLS client certificate. Set distributed.comm.tls.ca-file, ",
     ),
     "part of a name": (["run", "kodak"], "did you mean kodak_kir310 or kodak_kir310_1996?"),
     "a cube that is not there": (

@@ -136,7 +136,7 @@ def test_a_picture_without_an_edge_says_so(fails, works, tmp_path):
     ("words", "line"),
     [
         (("a.npy", "b.npy"),
-         "b.npy has 20 × 30 samples, but a.npy has 200 × 160: give pictures from one camera"),
+         "b.npy has 20 × 30 samples, but a.npy has 200 × 160. Give pictures from one camera"),
         (("whole.npy", "bytes.npy"),
          "bytes.npy stores whole numbers from 0 to 255, but whole.npy from 0 to 65535: give "
          "pictures from one camera, stored the same way"),
@@ -148,7 +148,7 @@ def test_a_picture_without_an_edge_says_so(fails, works, tmp_path):
         (("a.npy", "--dark", "light.npy"), "a.npy: the mean level, 130, is not above the dark "
          "level, 500. Check the dark frames (--dark) or the dark level (--offset-dn)"),
         (("a.npy", "--dark", "small.npy"),
-         "small.npy has 20 × 9 samples, but a.npy has 200 × 160: give frames from one camera"),
+         "small.npy has 20 × 9 samples, but a.npy has 200 × 160. Give frames from one camera"),
     ],
 )  # fmt: skip
 def test_what_is_refused(imagechain, tmp_path, words, line):

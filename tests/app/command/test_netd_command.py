@@ -91,7 +91,7 @@ def test_the_camera_that_is_simulated_has_the_netd_it_predicts(works, tmp_path):
         (("hot.npy=-300C",), "netd 'hot.npy=-300C': -26.85 K is not a possible temperature; "
          "allowed: above 0 K and up to 10000 K"),
         (("hot.npy=300K", "same.npy=290K"),
-         "same.npy: all frames are the same: the field is saturated, rounding hides the noise, or "
+         "same.npy: all frames are the same. The field is saturated, rounding hides the noise, or "
          "the file repeats one frame"),
     ],
 )  # fmt: skip
@@ -103,4 +103,4 @@ def test_what_is_refused(imagechain, fields, words, line):
 def test_a_saturated_field_is_refused(fails, fields):
     line = fails("netd", "full.npy=310K", "cold.npy=293K")
     assert "full.npy: " in line
-    assert "samples are 3502: the field is saturated" in line
+    assert "samples are 3502. The field is saturated" in line

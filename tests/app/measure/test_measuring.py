@@ -67,7 +67,9 @@ def test_one_edge_that_overshoots_is_no_measurement():
     assert measured(picture).x.edges == 1
     sharpened = measured(picture + 2.0 * (picture - ndimage.gaussian_filter(picture, 1.0)))
     assert sharpened.x is None
-    assert sharpened.reason_x.startswith("the only edge that would give this MTF overshoots (to 1.")
+    assert sharpened.reason_x.startswith(
+        "the only edge that would give this MTF overshoots (its MTF reaches 1."
+    )
     assert not any(name.endswith("_x") for name, *_ in figure_rows(sharpened))
 
 

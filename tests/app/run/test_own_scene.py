@@ -198,7 +198,7 @@ def test_several_scenes_are_asked_about(fails, picture):
         (("--scene", "own.tif", "--scene-sample-m", 1), "--scene-sample-m needs --scene-range-m"),
         (
             ("--scene", "cube.img"),
-            "the file does not give the unit of its bands: give --scene-unit",
+            "the file does not give the unit of its bands. Give --scene-unit",
         ),
         (
             ("--scene", "cube.img", "--scene-unit", "W/m²/sr/µm", "--scene-band-um", 3, 5),

@@ -101,7 +101,7 @@ def test_killed_it_goes_on_with_the_same_rows(sensor, imagechain, works, rows_of
     assert 20 < kept.count(b"\n") < 200
     other = imagechain("study", sensor, *WORDS, "--precision=double", "--output=a.csv")
     assert other.returncode == 2
-    assert "--fresh discards its rows" in other.stderr
+    assert "--fresh discards these rows" in other.stderr
     assert journal.read_bytes() == kept
     works("study", sensor, *WORDS, "--output=a.csv")
     assert rows_of("a.csv") == rows_of("whole.csv")

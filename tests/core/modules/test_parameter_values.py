@@ -41,8 +41,8 @@ class Lens(Module, key="lens_of_test", title="Lens", group="Test"):
         ("places", 1, "places = 1 mrad is not allowed: must be a list of numbers"),
         ("open", 1, "open = 1 - is not allowed: must be true or false"),
         ("side", "top", "side = 'top' side is not allowed: must be one of left, right"),
-        ("words", 1, "words = 1 is not allowed: must be a text"),
-        ("words", "a\0", "words = 'a\\x00' is not allowed: must be a text"),
+        ("words", 1, "words = 1 is not allowed: must be text"),
+        ("words", "a\0", "words = 'a\\x00' is not allowed: must be text"),
     ],
 )
 def test_a_refusal_names_value_unit_and_what_is_allowed(name, value, line):

@@ -82,7 +82,8 @@ def test_a_cycle_is_refused_with_the_way_round(document, small_library):
     way = "init.near_m → jitter.sigma_mrad → look.level → init.near_m"
     assert sum(way in line for line in found) == 3
     assert any(
-        "far_m = init.near_m + 1" in line and "has no value; correct that parameter first" in line
+        "far_m = init.near_m + 1" in line
+        and "has no value until its own error is corrected" in line
         for line in found
     )
 
@@ -90,16 +91,17 @@ def test_a_cycle_is_refused_with_the_way_round(document, small_library):
 @pytest.mark.parametrize(
     ("place", "allowed"),
     [
-        ("scene__kind", "a choice: one of dormitory, point"),
+        ("scene__kind", "one of dormitory, point"),
         ("scene__path", "a file name"),
-        ("scene__spots", "a list"),
+        ("scene__spots", "a list of numbers"),
     ],
 )
 def test_only_numbers_follow(place, allowed, document, small_library):
     network = linked(document, small_library, **{place: "init.near_m"})
     (line,) = refusals(network, small_library)
     assert (
-        "only a numeric parameter can follow other parameters, but this parameter is " + allowed
+        "only a numeric parameter can follow other parameters, but this parameter must be "
+        + allowed
         in line
     )
 

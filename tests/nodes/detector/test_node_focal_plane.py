@@ -233,7 +233,7 @@ def test_what_lacks_a_value_is_refused_in_one_line(tmp_path, params, line):
         ("3.0,O.7\n4.0,0.7\n5.0,0.7\n", "line 1: must contain two numbers"),
         ("3;0,7\n4;0\n5;1\n", "line 1: must contain two numbers"),
         ('3,0.5\n4,"' + "9" * 200_000 + '"\n', "line 2: "),
-        ("6,0.5\n7,0.5\n", "points that overlap the band, 3.7 to 4.8 µm"),
+        ("6,0.5\n7,0.5\n", "must overlap the band, 3.7 to 4.8 µm"),
     ],
 )
 def test_a_response_that_is_none_is_refused(tmp_path, text, line):

@@ -8,7 +8,13 @@ from hypothesis import strategies as st
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 
-from app.editor.declared_text import number_of, numbers_of, shown_figure, shown_number
+from app.editor.declared_text import (
+    number_of,
+    numbers_of,
+    shown_figure,
+    shown_number,
+    typed_number,
+)
 from app.editor.panels.fields.number import Scale, scale_of
 from core.errors import ParameterError
 from core.modules.declaration import declaration
@@ -56,6 +62,15 @@ def test_friendly_spellings_are_understood():
 def test_senseless_texts_are_refused(text):
     with pytest.raises(ParameterError, match=r"x = .* m is not allowed"):
         ANY.coerce(number_of(text, ANY))
+
+
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [("(2 m) m", "a number has two units; the second is m"), ("3/0", "3 / 0 divides by zero")],
+)
+def test_an_expressions_fault_is_told_as_it_is(text, why):
+    with pytest.raises(ParameterError, match=f"is not allowed: {why}"):
+        typed_number(text, ANY)
 
 
 def test_figures_are_brief():

@@ -149,7 +149,7 @@ def test_bad_pixels_are_filled_by_the_nearest_good_one_of_their_row():
 @pytest.mark.parametrize(
     ("levels", "words"),
     [
-        ({300.0: 5.0}, "give frames at two or more temperatures"),
+        ({300.0: 5.0}, "needs frames at two or more temperatures, not 1"),
         ({300.0: 5.0, 310.0: 5.0}, "must rise or fall steadily"),
         ({300.0: 500.0, 310.0: 400.0, 320.0: 700.0}, "must rise or fall steadily"),
     ],

@@ -60,5 +60,5 @@ def test_harvey_ends_and_joins():
     edge = 300 / (2000 * math.pi)
     below, above = harvey_mtf(rho=[edge * (1 - 1e-12), edge * (1 + 1e-12)], **how)
     assert below == pytest.approx(above, abs=1e-11)
-    with pytest.raises(ParameterError, match=r"b_per_sr = 50000.*times the incident light"):
+    with pytest.raises(ParameterError, match=r"b_per_sr = 50000.*total integrated scatter"):
         harvey_scatter(b_per_sr=5e4, s=-1.5, l_mrad=10.0)
