@@ -133,7 +133,10 @@ class Camera:
     def _samples(self, frame: Any) -> HeldSamples:
         unit = getattr(frame, "attrs", {}).get("units", self._unit)
         if unit != self._unit:
-            raise UsageError(f"the frame is in {unit}: make the camera with unit={unit!r}")
+            raise UsageError(
+                f"the frame is in {unit}, but the camera takes frames in {self._unit}: make the "
+                f"camera with unit={unit!r}"
+            )
         array = grey(np.asarray(frame))
         if array.shape != self._size:
             shape, size = (" × ".join(map(str, one)) for one in (array.shape, self._size))

@@ -290,15 +290,18 @@ def _texts(free: Any) -> list[str]:
 def _pictures(to: Any, band: int | None) -> tuple[tuple[str, ...], FittedPictures]:
     one = isinstance(to, str | PathLike | np.ndarray)
     if not one and not isinstance(to, Sequence):
-        raise UsageError("to: give a picture (a file or an array), or a list of pictures")
+        raise UsageError(
+            f"to: {type(to).__name__} is not allowed; give a picture (a file or an array), or a "
+            "list of pictures"
+        )
     given = [to] if one else list(to)
     if not given:
-        raise UsageError("to: give a picture (a file or an array); the list is empty")
+        raise UsageError("to: the list is empty; give a picture (a file or an array)")
     if all(isinstance(one, str | PathLike) for one in given):
         paths = [Path(fspath(one)) for one in given]
         return tuple(map(str, paths)), read_pictures(paths, band=band)
     if any(isinstance(one, str | PathLike) for one in given):
-        raise UsageError("to: give only files or only arrays")
+        raise UsageError("to: files and arrays cannot be mixed; give only files or only arrays")
     if band is not None:
         raise UsageError("band applies to files only: arrays have no bands")
     names = tuple(f"array {number}" for number in range(1, len(given) + 1))

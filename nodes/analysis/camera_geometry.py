@@ -342,7 +342,7 @@ class CameraGeometry(Module, key="camera_geometry", title="Camera Geometry", gro
         if of_pitch is not None and abs(step / of_pitch - 1.0) > 1e-3:
             allowed = (
                 f"pixel pitch and focal length give a sampling interval of {of_pitch:.4g} mrad, "
-                f"but this field of view gives {step:.4g} mrad: leave pitch_x_um, focal_length_mm "
+                f"but this field of view gives {step:.4g} mrad. Leave pitch_x_um, focal_length_mm "
                 "or fov_x_deg empty"
             )
             raise ParameterError("fov_x_deg", self.fov_x_deg, allowed)

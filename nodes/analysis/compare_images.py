@@ -46,7 +46,7 @@ class CompareImages(Module, key="compare_images", title="Compare Images", group=
         ),
         Formula(
             r"R(f)=\frac{|\mathcal{F}(a)|}{|\mathcal{F}(b)|}",
-            where="MTF ratio; in rings, the square root of the ratio of the power spectra",
+            where="R: MTF ratio; in rings, the square root of the ratio of the power spectra",
         ),
     )
 

@@ -36,7 +36,7 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
     target. GIQE 5 uses the geometric mean of the GSDs of GIQE 3 and 4, GSD/(sin e)^¼. The relative
     edge response (RER) is the rise of the edge response from half a sample before the edge to half
     a sample after it. The overshoot H is the maximum of the edge response 1 to 3 samples beyond the
-    edge; if the response only rises there, H is its value at 1.25 samples. RER and H follow from
+    edge; if the response only rises there, H is the response at 1.25 samples. RER and H follow from
     the chain's transfer functions; the SNR follows from the chain's signal and temporal noise. No
     noise is drawn or measured. GSD, RER and H are geometric means of the horizontal and vertical
     values; in GIQE 5 the worse RER counts twice. Connect the picture as the sensor samples it,
@@ -308,8 +308,8 @@ def signal_over_noise(
     seen.require_known()
     if gain is None:
         raise DataError(
-            "the SNR is unknown: gain_model = literal scales the picture by the gain "
-            "error; use gain_model = per_pixel"
+            "the SNR is unknown: gain_model = literal on Electronics & Noise scales the picture by "
+            "the gain error. Use gain_model = per_pixel or published"
         )
     of_sample = gain * math.prod(level.per_sample or level.gain for level in levels)
     gain *= math.prod(level.gain for level in levels)

@@ -45,7 +45,7 @@ def by_view_angle(
     return wires.CurveData(
         "Line by line minus whole image",
         "view angle from nadir (°)",
-        "difference (% of range)",
+        "difference (% of peak-to-peak range)",
         (
             wires.Series("largest", angles, largest * percent),
             wires.Series("rms", angles, rms * percent),
@@ -72,15 +72,16 @@ def difference_table(
     total = scale * math.sqrt(float(np.mean((rms / scale) ** 2))) if scale > 0.0 else 0.0
     return wires.TableData.of(
         ("rms_percent", total * percent, "%",
-         "rms difference, as a fraction of the picture's range"),
+         "rms difference, as a fraction of the picture's peak-to-peak range"),
         ("max_percent", float(largest[worst]) * percent, "%",
-         "largest difference, as a fraction of the picture's range"),
+         "largest difference, as a fraction of the picture's peak-to-peak range"),
         ("max_view_deg", float(degrees[worst]), "deg", "view angle at which the "
         "difference is largest"),
         ("rms_worst_percent", scale * percent, "%",
-         "largest rms difference at any view angle"),
+         "largest rms difference at one view angle, as a fraction of the picture's peak-to-peak "
+         "range"),
         ("rms_worst_view_deg", float(degrees[worst_rms]), "deg",
-         "view angle at the largest rms difference"),
+         "view angle at which the rms difference is largest"),
         ("rms_difference", total, unit, "rms difference between line by line and whole image"),
         ("max_difference", float(largest[worst]), unit,
          "largest difference between line by line and whole image"),
@@ -95,7 +96,7 @@ def difference_table(
         ("response_error", filtered.response_error, "",
          "interpolation error of the transfer function"),
         ("error_percent", filtered.picture_error * percent, "%",
-         "estimated interpolation error, as a fraction of the picture's range"),
+         "estimated interpolation error, as a fraction of the picture's peak-to-peak range"),
     )  # fmt: skip
 
 
@@ -146,13 +147,13 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
 
     When is one interval for the whole image good enough? The error of a single interval grows as 1
     − cos(view angle). The network `line_by_line` blurs the built-in scene by three samples, as the
-    Inframetrics scanner does. There the largest error is 0.03 % of the picture's range for a field
-    of view of 10°, 0.5 % for 30°, 1.1 % for 45°, 2 % for 60°, 5 % for 90° and 10 % for 120°. The
-    rms errors for fields of view of 10°, 30°, 45°, 60°, 90° and 120° are 0.002, 0.02, 0.05, 0.1,
-    0.25 and 0.5 %. In the 30° field of view of Tantalo 1996, six-bit quantization hides the error.
-    Filtering line by line takes 1.3 to 4 times as long as filtering the whole image (`imagechain
-    bench`, table scanning); `direct` takes 60 times as long or more. Source: Tantalo 1996, section
-    2 and fig. 2.3; the thesis leaves the comparison to later work.
+    Inframetrics scanner does. There the largest error is 0.03 % of the picture's peak-to-peak range
+    for a field of view of 10°, 0.5 % for 30°, 1.1 % for 45°, 2 % for 60°, 5 % for 90° and 10 % for
+    120°. The rms errors for fields of view of 10°, 30°, 45°, 60°, 90° and 120° are 0.002, 0.02,
+    0.05, 0.1, 0.25 and 0.5 %. In the 30° field of view of Tantalo 1996, six-bit quantization hides
+    the error. Filtering line by line takes 1.3 to 4 times as long as filtering the whole image
+    (`imagechain bench`, table scanning); `direct` takes 60 times as long or more. Source: Tantalo
+    1996, section 2 and fig. 2.3; the thesis leaves the comparison to later work.
     """
 
     formulas = (
@@ -299,7 +300,7 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
     def _line_spacing_m(self, context: wires.Context) -> float:
         if self.spacing == "typed":
             if self.line_spacing_m is None:
-                allowed = "give the line spacing, because spacing is typed"
+                allowed = "spacing is typed. Give the line spacing"
                 raise ParameterError("line_spacing_m", None, allowed)
             return self.line_spacing_m
         velocity = abs(context.velocity_m_per_s)
@@ -309,15 +310,15 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
             ("scan_velocity_mrad_per_s", turns_per_s),
         ):
             if value == 0.0:
-                allowed = "give a value on Init & Trans, because spacing is flight"
+                allowed = "spacing is flight. Give a value on Init & Trans"
                 raise ParameterError(name, None, allowed)
         return velocity / turns_per_s
 
     figures = TableFigures(
         ("rms_percent", "%", "Rms difference from the whole-image method, as a fraction of the "
-         "picture's range."),
+         "picture's peak-to-peak range."),
         ("max_percent", "%", "Largest difference from the whole-image method, as a fraction of the "
-         "picture's range."),
+         "picture's peak-to-peak range."),
         ("max_view_deg", "deg", "View angle from nadir at which the difference is largest."),
         ("interval_nadir_mrad", "mrad", "Largest sampling interval along the track, in the column "
          "nearest nadir."),
@@ -326,5 +327,5 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
         ("scale_nodes", "", "Number of intervals at which non-separable factors were computed; 0 "
          "if all factors are separable."),
         ("error_percent", "%", "Estimated error of the interpolation between intervals, as a "
-         "fraction of the picture's range."),
+         "fraction of the picture's peak-to-peak range."),
     )  # fmt: skip

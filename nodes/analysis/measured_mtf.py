@@ -438,13 +438,15 @@ class MeasuredMTF(Module, key="measured_mtf", title="Measured MTF", group="Analy
     samples: int = param(129, "number of points on the curve", (2, 4096), slider=(32, 1024))
     clip_left_px: int | None = param(
         None,
-        "first sample of the edge, in the direction of the measurement; empty: found automatically",
+        "first sample of the edge along the measurement, counted from 0 at the region's start; "
+        "empty: found automatically",
         low=0,
         zero_is_empty=False,
     )
     clip_right_px: int | None = param(
         None,
-        "last sample of the edge, in the direction of the measurement; empty: found automatically",
+        "last sample of the edge along the measurement, counted from 0 at the region's start; "
+        "empty: found automatically",
         low=0,
         zero_is_empty=False,
     )

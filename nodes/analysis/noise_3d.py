@@ -103,7 +103,7 @@ class Noise3D(Module, key="noise_3d", title="3-D Noise", group="Analysis"):
 
     figures = TableFigures(
         ("sigma_tvh", "", "Random noise of each sample, predicted."),
-        ("sigma_vh", "", "Fixed pattern of each sample, predicted."),
+        ("sigma_vh", "", "Fixed-pattern noise of each sample, predicted."),
         ("sigma_v", "", "Fixed row noise, predicted."),
         ("sigma_h", "", "Fixed column noise, predicted."),
         ("sigma_t", "", "Frame-to-frame noise, predicted."),
@@ -158,7 +158,7 @@ def measured_in_file(work: Work, *, path: Path, stamps: tuple[Stamp, ...]) -> Me
 
 MEANINGS = {
     "tvh": "random noise of each sample",
-    "vh": "fixed pattern of each sample",
+    "vh": "fixed-pattern noise of each sample",
     "v": "fixed row noise",
     "h": "fixed column noise",
     "t": "frame-to-frame noise",

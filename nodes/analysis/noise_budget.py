@@ -181,7 +181,7 @@ def noise_bars(work: Work, noise: NoiseShares, *, kind: Kind, show: Show, unit: 
         k for k in ("temporal", "fixed") if any(getattr(s, k) is not None for s in noise.shares)
     ]
     if show == "share":
-        label = "share of the variance (%)"
+        label = "share of the noise variance (%)"
         heights = [
             [100.0 * getattr(share, f"share_{one}") for share in noise.shares] for one in kinds
         ]
@@ -257,7 +257,12 @@ def _source_rows(share: NoiseShare, unit: str) -> Iterable[TableRow]:
     ):
         if sigma is not None:
             yield TableRow(f"{name}.{kind}", sigma, unit, f"σ of {words}, {kind}")
-            yield TableRow(f"{name}.{kind}_share", 100.0 * part, "%", "share of the variance")
+            yield TableRow(
+                f"{name}.{kind}_share",
+                100.0 * part,
+                "%",
+                "share of the variance of all noise in the budget",
+            )
 
 
 def _blur_rows(blur: BlurShares) -> list[TableRow]:
@@ -269,7 +274,11 @@ def _blur_rows(blur: BlurShares) -> list[TableRow]:
             meaning = f"|MTF| of {stage.label}"
             rows.append(TableRow(f"{name}.mtf_{direction}", stage.mtf[axis], "", meaning))
             share = 100.0 * stage.share[axis]
-            rows.append(TableRow(f"{name}.share_{direction}", share, "%", "share of −ln |MTF|"))
+            rows.append(
+                TableRow(
+                    f"{name}.share_{direction}", share, "%", "share of −ln |MTF| of all stages"
+                )
+            )
     if not rows:
         rows.append(TableRow("blur", "none", "", "all stages have a transfer function of 1"))
     for axis, direction, words in ((0, "x", "horizontal"), (1, "y", "vertical")):

@@ -111,8 +111,9 @@ def sensitivity(
         )
     if gain is None:
         raise DataError(
-            "gain_model = literal scales the picture by the gain error, so its noise is not a "
-            "temperature difference: use gain_model = per_pixel or published"
+            "the noise cannot be expressed as a temperature difference: gain_model = literal on "
+            "Electronics & Noise scales the picture by the gain error. Use gain_model = per_pixel "
+            "or published"
         )
     gain *= math.prod(level.gain for level in levels)
     if clipped := unseen(gain, levels, "there is nothing to detect"):
@@ -124,8 +125,8 @@ def sensitivity(
     if background_K is None:
         if not scene > 0.0:
             raise DataError(
-                f"the picture's mean of {seen.mean:.6g} gives no background radiance above zero: "
-                "give background_K"
+                f"the background temperature is unknown: the picture's mean, {seen.mean:.6g}, "
+                "gives a background radiance that is not above 0. Give background_K"
             )
         background_K = float(brightness_temperature(radiance=scene, **band))
     slope = float(band_radiance_derivative(temperature_K=background_K, **band))
@@ -279,7 +280,7 @@ _POINTS = 201
 _LEAST = 0.1  # of the easiest task, where the curve ends by itself
 _MEANINGS = {
     "tvh": "random noise of each sample",
-    "vh": "fixed pattern of each sample",
+    "vh": "fixed-pattern noise of each sample",
     "v": "fixed row noise",
     "h": "fixed column noise",
     "t": "frame-to-frame noise",

@@ -218,7 +218,7 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
             return self.wavelength_um
         if context.band_um is None:
             raise ParameterError(
-                "wavelength_um", None, "give the wavelength here; the image has no band"
+                "wavelength_um", None, "the image has no band. Give the wavelength here"
             )
         return sum(context.band_um) / 2
 

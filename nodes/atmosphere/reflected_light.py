@@ -92,7 +92,13 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
     optical_depth: float = param(
         0.0, "zenith optical depth of the air, for sunlight", (0, 1e3), slider=(0, 2)
     )
-    sky: float = param(0.0, "radiance of the sky", (0, 1e12), unit="W/m²/sr/µm", slider=(0, 200))
+    sky: float = param(
+        0.0,
+        "spectral radiance of the sky, equal in all directions",
+        (0, 1e12),
+        unit="W/m²/sr/µm",
+        slider=(0, 200),
+    )
     illuminance_lux: float | None = param(
         None,
         "illuminance on the ground to which sun and sky are scaled; empty: no scaling",

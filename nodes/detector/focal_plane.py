@@ -139,7 +139,7 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
         Formula(
             r"\mathrm{NETD}=\frac{\sigma_t}{\partial N/\partial T},\quad\mathrm{DN}=\mathrm{"
             r"round}\left(\frac{N}{K}+o\right)",
-            where="o: offset_dn; clipped to 0 … 2^bits − 1",
+            where="o: offset_dn; DN is clipped to 0 … 2^bits − 1",
         ),
     )
 
@@ -545,8 +545,8 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
         ("gain_e_per_dn", "e-/DN", "Electrons per digital number."),
         ("mean_dn", "DN", "Mean signal of the picture, in digital numbers."),
         ("photon_weighting", "", "Spectrum used to count photons: scene, source or middle."),
-        ("weighting_worth_percent", "%", ("Spread of the signal among the choices of "
-                                         "photon_weighting.")),
+        ("weighting_worth_percent", "%", ("Largest minus smallest signal over the choices "
+                                         "of photon_weighting, relative to signal_e.")),
         table=_without_saturated,
     )  # fmt: skip
     counts = TableFigures(

@@ -82,7 +82,7 @@ def test_parameters_with_one_effect_have_a_combination(folder):
     ("how", "line"),
     [
         ({"free": {"blur.sigma_x_mrad": 3}}, "is not allowed"),
-        ({"to": 3}, "to: give a picture"),
+        ({"to": 3}, "to: int is not allowed; give a picture"),
         ({"to": ["across.npy", np.zeros((20, 20))]}, "only files or only arrays"),
         ({"to": np.zeros((20, 20), complex)}, "picture 1 is an array of complex128"),
     ],

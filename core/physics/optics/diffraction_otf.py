@@ -265,11 +265,15 @@ class Aperture:
         positive("aperture_mm", self.diameter_mm, unit="mm")
         scale = self.reference_um / positive("cut_on_um", shortest_um, unit="µm")
         annular_otf(frequency_ratio=0.0, obscuration_ratio=self.obscuration_ratio)
-        wavefront_factor(frequency_ratio=0.0, rms_waves=self.rms_waves * scale)
-        if not abs(self.defocus_waves * scale) <= MOST_DEFOCUS_WAVES:
-            most = MOST_DEFOCUS_WAVES
-            allowed = f"from {-most:g} to {most:g} waves at the shortest wavelength"
-            raise ParameterError("defocus_waves", self.defocus_waves, allowed, unit="waves")
+        most = MOST_DEFOCUS_WAVES
+        for name, waves, low, high, (limit, remedy) in (
+            ("rms_wavefront_waves", self.rms_waves, 0.0, MOST_RMS_WAVES, _BY_SHANNON),
+            ("defocus_waves", self.defocus_waves, -most, most, ("", "")),
+        ):
+            if not low <= waves * scale <= high:
+                place = f"at {shortest_um:g} µm{limit}, where it is {waves * scale:.6g} waves"
+                allowed = f"from {low:g} to {high:g} waves {place}{remedy}"
+                raise ParameterError(name, waves, allowed, unit="waves")
 
 
 def diffraction_otf(
@@ -357,8 +361,9 @@ def wavelengths_needed(
         if error <= tolerance:
             return count, max(error, 1e-15)
     raise DataError(
-        f"{counts[-1]} wavelengths between kinks of the OTF leave an error of {error:.2g}: give a "
-        "larger tolerance, or fewer waves of defocus"
+        f"the error of the polychromatic OTF is {error:.2g} with {counts[-1]} wavelengths between "
+        f"the OTF's kinks, above the tolerance of {tolerance:g}. Give a larger tolerance, or a "
+        "smaller defocus_waves"
     )
 
 
@@ -426,7 +431,7 @@ def _fixed(spectrum: Spectrum, count: int) -> tuple[Vector, Vector]:
     weights = weights * spectrum.weight(places)
     if not np.sum(weights) > 0.0:
         raise DataError(
-            f"the response is 0 at all {count} wavelengths over the band: use more "
+            f"the response is 0 at all {count} wavelengths that sample the band: use more "
             "wavelengths, or set wavelengths = auto"
         )
     return places, weights / np.sum(weights)
@@ -571,14 +576,15 @@ def _fit(function: Callable[[Vector], Vector], low: float, high: float, toleranc
             return np.asarray(coefficients[: max(2, int(np.count_nonzero(rest > tolerance / 8)))])
     raise DataError(
         f"the polychromatic OTF between {low:g} and {high:g} cycles/mrad needs more than "
-        f"{SIZES[-1]} terms. Give a larger tolerance, a number of wavelengths, or fewer waves of "
-        "defocus"
+        f"{SIZES[-1]} Chebyshev terms. Give a larger tolerance or a smaller defocus_waves, or set "
+        "wavelengths to a number"
     )
 
 
 # What a small random wavefront error takes off the MTF, known by its rms alone.
 
 MOST_RMS_WAVES = 0.18
+_BY_SHANNON = (" (the range of Shannon's formula)", ". For a larger error, use Exit Pupils")
 
 
 def wavefront_factor(*, frequency_ratio: ArrayLike, rms_waves: ArrayLike) -> NDArray[np.float64]:
@@ -606,8 +612,7 @@ def wavefront_factor(*, frequency_ratio: ArrayLike, rms_waves: ArrayLike) -> NDA
         raise ParameterError(
             "rms_wavefront_waves",
             worst,
-            f"0 to {MOST_RMS_WAVES:g} waves at the shortest wavelength (the range of Shannon's "
-            "formula); for a larger error, use Exit Pupils",
+            f"0 to {MOST_RMS_WAVES:g}{''.join(_BY_SHANNON)}",
             unit="waves",
         )
     ratio = np.minimum(np.abs(np.asarray(frequency_ratio, np.float64)), 1.0)

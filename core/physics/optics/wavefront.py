@@ -200,7 +200,10 @@ def autocorrelation(pupil: ArrayLike, *, workers: int | None = None) -> Complex:
 def _checked(pupil: ArrayLike) -> Complex:
     samples: Complex = np.asarray(pupil, dtype=np.complex128)
     if samples.ndim != 2 or samples.size == 0:
-        raise DataError(f"a pupil must be an array (rows, columns), not of shape {samples.shape}")
+        raise DataError(
+            f"the pupil has shape {samples.shape}; it must be two-dimensional (rows, columns) and "
+            "not empty"
+        )
     if not np.all(np.isfinite(samples)):
         raise DataError("the pupil holds a sample that is not finite")
     peak = np.max(np.abs(samples))

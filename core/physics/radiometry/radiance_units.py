@@ -17,9 +17,9 @@ Spectral = Literal["", "µm", "cm⁻¹"]
 _Powers = tuple[tuple[str, int], ...]
 
 UNDERSTOOD = (
-    "W, also with a prefix (n, u or µ, m, k), or photons/s, per m², cm², mm² or km², per sr, and "
-    "for spectral radiance per µm, nm, mm, cm, m or cm⁻¹, as in W/m²/sr, uW/cm^2/sr/um or "
-    "W m-2 sr-1 um-1"
+    "W (with or without the prefix n, u, µ, m or k) or photons/s, per m², cm², mm² or km² and per "
+    "sr; for spectral radiance also per µm, nm, mm, cm, m or cm⁻¹; for example W/m²/sr, "
+    "uW/cm^2/sr/um or W m-2 sr-1 um-1"
 )
 
 _PREFIXES = {"": 1.0, "p": 1e-12, "n": 1e-9, "u": 1e-6, "µ": 1e-6, "m": 1e-3, "k": 1e3, "M": 1e6}

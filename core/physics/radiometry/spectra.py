@@ -236,8 +236,8 @@ def grey_temperature(
     share = _emissivity(emissivity)
     if not np.all(share > 0.0):
         raise DataError(
-            "a surface with an emissivity of 0 emits nothing, so its temperature cannot be "
-            "determined: give an emissivity above 0"
+            "the temperature cannot be determined: a surface with an emissivity of 0 emits "
+            "nothing. Give an emissivity above 0"
         )
     emitted = np.asarray(radiance, np.float64)
     if surroundings_K is not None:

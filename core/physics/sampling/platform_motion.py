@@ -352,8 +352,8 @@ class MotionSpectrum:
         non_negative("rms", self.rms_mrad, unit="mrad")
         positive("corner_Hz", self.corner_Hz, unit="Hz")
         for place, value in self.points:
-            positive("frequency of the spectrum", place, unit="Hz")
-            positive("power density", value, unit="mrad²/Hz")
+            positive("frequency of the power spectral density", place, unit="Hz")
+            positive("power spectral density", value, unit="mrad²/Hz")
 
     @property
     def still(self) -> bool:

@@ -95,7 +95,22 @@ def test_by_whose_light(planned, how, expected):
         ({"init": {}}, ("aperture_mm", "Camera", "F-number")),
         ({"scene": {"unit": "counts"}}, ("source_K", "'counts'", "uniform")),
         ({"chained": True}, ("source_K", "no picture")),
-        ({"params": {"rms_wavefront_waves": 0.17}}, ("rms_wavefront_waves", "0.18", "Exit Pupils")),
+        (
+            {"params": {"rms_wavefront_waves": 0.17}},
+            (
+                "rms_wavefront_waves = 0.17 waves",
+                "0 to 0.18 waves at 3 µm",
+                "0.226667 waves",
+                "Exit Pupils",
+            ),
+        ),
+        (
+            {
+                "params": {"defocus_waves": -20, "weighting": "uniform"},
+                "scene": {"cut_on_um": 0.5, "cut_off_um": 14},
+            },
+            ("defocus_waves = -20.0 waves", "-100 to 100 waves at 0.5 µm", "-290 waves"),
+        ),
     ],
 )
 def test_refusals(planned, how, words):
