@@ -191,7 +191,7 @@ class CameraGeometry(Module, key="camera_geometry", title="Camera Geometry", gro
     )
     fov_x_deg: float | None = param(
         20.0,
-        "field of view across the track; empty: columns × pitch / focal length",
+        "field of view across the track; empty: from pixel pitch and focal length",
         (0, 180),
         below=True,
     )
@@ -201,10 +201,14 @@ class CameraGeometry(Module, key="camera_geometry", title="Camera Geometry", gro
     )
     focal_length_mm: float | None = param(None, "focal length", low=0, slider=(10, 1000))
     velocity_m_per_s: float | None = param(
-        None, "ground speed; empty: consecutive lines touch at nadir", low=0
+        None,
+        "ground speed, given together with line_rate_Hz; both empty: lines touch at nadir",
+        low=0,
     )
     line_rate_Hz: float | None = param(
-        None, "lines per second; empty: consecutive lines touch at nadir", low=0
+        None,
+        "lines per second, given together with velocity_m_per_s; both empty: lines touch at nadir",
+        low=0,
     )
     roll_deg: float = param(0.0, "look angle to the right", (-89, 89), slider=(-45, 45))
     pitch_deg: float = param(0.0, "look angle ahead", (-89, 89), slider=(-45, 45))

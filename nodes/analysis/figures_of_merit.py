@@ -233,8 +233,8 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
     )
     range_max_km: float | None = param(
         None,
-        "longest range on the curve; empty: where the probability of detection falls to 10 % "
-        "(Johnson) or of success to 50 % (TTP), whichever is farther",
+        "longest range on the curve; empty: automatic, the range at which the probability of "
+        "detection is 10 % (Johnson) or of success 50 % (TTP), whichever is longer",
         (0, 1e6),
         slider=(0, 20),
     )

@@ -94,7 +94,7 @@ def difference_table(
         ("scale_nodes", filtered.nodes, "",
          "number of sampling intervals at which non-separable factors were computed"),
         ("response_error", filtered.response_error, "",
-         "interpolation error of the transfer function"),
+         "largest interpolation error of the transfer function"),
         ("error_percent", filtered.picture_error * percent, "%",
          "estimated interpolation error, as a fraction of the picture's peak-to-peak range"),
     )  # fmt: skip

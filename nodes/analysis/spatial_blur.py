@@ -98,8 +98,8 @@ class SpatialBlur(Module, key="spatial_blur", title="Spatial Blur", group="Analy
 
     figures = TableFigures(
         ("taps", "", "Multiplications per sample."),
-        ("error_bound", "", "Largest error from truncated kernels, as a fraction of the scene's "
-         "largest deviation from its mean."),
+        ("error_bound", "", "Upper bound on the error from truncated kernels, as a fraction of "
+         "the scene's largest deviation from its mean."),
     )  # fmt: skip
 
 
@@ -161,7 +161,7 @@ def kernel_table(_: Work, kernels: Kernels) -> TableData:
         ("taps_plane", sum(k.taps.size for k in planes), "",
          "multiplications per sample with the two-dimensional kernel"),
         ("error_bound", kernels.error_bound, "",
-         "largest error, as a fraction of the scene's largest deviation from its mean"),
+         "upper bound on the error, as a fraction of the scene's largest deviation from its mean"),
     )  # fmt: skip
 
 

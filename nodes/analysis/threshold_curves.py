@@ -476,7 +476,7 @@ def merit_table(
         row("snr", "", "mean signal divided by temporal noise"),
         row("netd_K", "K", "temporal noise as a temperature difference"),
         row("ner", unit, "rms temporal noise"),
-        row("background_K", "K", "background temperature for dL/dT"),
+        row("background_K", "K", "background temperature, at which dL/dT is taken"),
         TableRow("frames_integrated", frames, "", "frames averaged by the eye"),
         *(row(f"sigma_{name}_K", "K", _MEANINGS[name]) for name in COMPONENTS),
     ]

@@ -39,9 +39,9 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
     0.955) or, if `turbidity` is custom, from a number or the scattering coefficient along the path.
     On a downward or upward path, the scattering coefficient falls exponentially with height.
     Absorption attenuates all frequencies equally and does not blur; for absorption, use Atmospheric
-    Path. The blur is stronger looking up than looking down, because the strongest turbulence is
-    then near the aperture. r0 scales with λ^(6/5), and the aerosol cutoff ρc with 1/λ. Each band of
-    a spectral picture is blurred at its own wavelength.
+    Path. The blur is stronger on an upward path than on a downward path, because the strongest
+    turbulence of an upward path is near the aperture. r0 scales with λ^(6/5), and the aerosol
+    cutoff ρc with 1/λ. Each band of a spectral picture is blurred at its own wavelength.
 
     Sources: Tantalo 1996, section 4.2; Fried 1966; Sadot and Kopeika 1992.
     """
@@ -75,7 +75,9 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
     turbulence: Literal["gaussian", "long_exposure", "short_exposure", "none"] = param(
         "gaussian", "turbulence model"
     )
-    fwhm_mrad: float = param(0.0, "full width at half maximum of the blur", low=0, slider=(0, 5))
+    fwhm_mrad: float = param(
+        0.0, "full width at half maximum of the Gaussian blur", low=0, slider=(0, 5)
+    )
     fried_r0_m: float | None = param(
         None, "Fried parameter r0; empty: from Cn²", low=0, slider=(0.005, 1)
     )
@@ -114,7 +116,7 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
     particle_radius_um: float | None = param(
         None,
         "particle radius, which sets the cutoff (radius over wavelength); empty: "
-        "turbidity_cutoff_cyc_per_mrad sets the cutoff",
+        "from turbidity_cutoff_cyc_per_mrad",
         (0, 1e6),
         slider=(0.1, 20),
     )
