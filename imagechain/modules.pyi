@@ -610,8 +610,7 @@ def reflected_light(
     optical_depth : float | Expression
         zenith optical depth of the air, for sunlight: a number from 0 to 1000; default 0.0
     sky : float | Expression
-        spectral radiance of the sky, equal in all directions [W/m²/sr/µm]: a number from 0 to
-        1e+12; default 0.0
+        radiance of the sky [W/m²/sr/µm]: a number from 0 to 1e+12; default 0.0
     illuminance_lux : float | Expression | None
         illuminance on the ground to which sun and sky are scaled; empty: no scaling [lx]: a number
         above 0 to 1e+09 or empty; default empty
@@ -3220,11 +3219,11 @@ def measured_mtf(
     samples : int | Expression
         number of points on the curve: a whole number from 2 to 4096; default 129
     clip_left_px : int | Expression | None
-        first sample of the edge along the measurement, counted from 0 at the region's start; empty:
-        found automatically [px]: a whole number of at least 0 or empty; default empty
+        first sample of the edge, in the direction of the measurement; empty: found automatically
+        [px]: a whole number of at least 0 or empty; default empty
     clip_right_px : int | Expression | None
-        last sample of the edge along the measurement, counted from 0 at the region's start; empty:
-        found automatically [px]: a whole number of at least 0 or empty; default empty
+        last sample of the edge, in the direction of the measurement; empty: found automatically
+        [px]: a whole number of at least 0 or empty; default empty
     axis : Literal['cyc_per_mrad', 'cyc_per_pixel']
         unit of the frequency axis; always cycles per pixel if the picture has no sampling interval:
         one of cyc_per_mrad, cyc_per_pixel; default 'cyc_per_mrad'
@@ -3380,9 +3379,8 @@ def figures_of_merit(
         TTP: magnification, angle on the display / angle in the scene; empty: the picture fills the
         display: a number of at least 0 or empty; default empty
     range_max_km : float | Expression | None
-        longest range on the curve; empty: where the probability of detection falls to 10 %
-        (Johnson) or of success to 50 % (TTP), whichever is farther [km]: a number from 0 to 1e+06
-        or empty; default empty
+        longest range on the curve; empty: the range at which detection becomes unlikely [km]: a
+        number from 0 to 1e+06 or empty; default empty
 
     Notes
     -----
@@ -3573,13 +3571,13 @@ def line_by_line(
 
     When is one interval for the whole image good enough? The error of a single interval grows as 1
     − cos(view angle). The network `line_by_line` blurs the built-in scene by three samples, as the
-    Inframetrics scanner does. There the largest error is 0.03 % of the picture's peak-to-peak range
-    for a field of view of 10°, 0.5 % for 30°, 1.1 % for 45°, 2 % for 60°, 5 % for 90° and 10 % for
-    120°. The rms errors for fields of view of 10°, 30°, 45°, 60°, 90° and 120° are 0.002, 0.02,
-    0.05, 0.1, 0.25 and 0.5 %. In the 30° field of view of Tantalo 1996, six-bit quantization hides
-    the error. Filtering line by line takes 1.3 to 4 times as long as filtering the whole image
-    (`imagechain bench`, table scanning); `direct` takes 60 times as long or more. Source: Tantalo
-    1996, section 2 and fig. 2.3; the thesis leaves the comparison to later work.
+    Inframetrics scanner does. There the largest error is 0.03 % of the picture's range for a field
+    of view of 10°, 0.5 % for 30°, 1.1 % for 45°, 2 % for 60°, 5 % for 90° and 10 % for 120°. The
+    rms errors for fields of view of 10°, 30°, 45°, 60°, 90° and 120° are 0.002, 0.02, 0.05, 0.1,
+    0.25 and 0.5 %. In the 30° field of view of Tantalo 1996, six-bit quantization hides the error.
+    Filtering line by line takes 1.3 to 4 times as long as filtering the whole image (`imagechain
+    bench`, table scanning); `direct` takes 60 times as long or more. Source: Tantalo 1996, section
+    2 and fig. 2.3; the thesis leaves the comparison to later work.
 
     Parameters
     ----------
@@ -3748,7 +3746,7 @@ def image_quality(
     target. GIQE 5 uses the geometric mean of the GSDs of GIQE 3 and 4, GSD/(sin e)^¼. The relative
     edge response (RER) is the rise of the edge response from half a sample before the edge to half
     a sample after it. The overshoot H is the maximum of the edge response 1 to 3 samples beyond the
-    edge; if the response only rises there, H is the response at 1.25 samples. RER and H follow from
+    edge; if the response only rises there, H is its value at 1.25 samples. RER and H follow from
     the chain's transfer functions; the SNR follows from the chain's signal and temporal noise. No
     noise is drawn or measured. GSD, RER and H are geometric means of the horizontal and vertical
     values; in GIQE 5 the worse RER counts twice. Connect the picture as the sensor samples it,

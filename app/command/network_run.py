@@ -197,7 +197,10 @@ class _Saved:
 def _claim(plan: Plan, stage: Stage, policy: Policy) -> list[_Saved]:
     frames, way, staging = stage.frames, stage.way, stage.staging
     if frames is not None and not 1 <= frames <= saving.MOST_FRAMES:
-        raise UsageError(f"--frames {frames}: give a whole number from 1 to {saving.MOST_FRAMES}")
+        most = saving.MOST_FRAMES
+        raise UsageError(
+            f"--frames {frames} is not allowed: must be a whole number from 1 to {most}"
+        )
     values = [_port_value(plan, save.node, save.name) for save in stage.saves]
     if frames is not None and not any(isinstance(value, Image) for value in values):
         example = find_output(plan).port or "NODE.PORT"

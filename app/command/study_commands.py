@@ -223,7 +223,9 @@ def _jobs(jobs: int | None, scheduler: str) -> int:
             "this machine"
         )
     if not 1 <= jobs <= _MOST_JOBS:
-        raise UsageError(f"--jobs {jobs}: give a whole number from 1 to {_MOST_JOBS}")
+        raise UsageError(
+            f"--jobs {jobs} is not allowed: must be a whole number from 1 to {_MOST_JOBS}"
+        )
     return jobs
 
 

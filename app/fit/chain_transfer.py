@@ -99,7 +99,7 @@ def _given(text: str, network: Network, library: Library, option: str) -> Assign
     numbers = numbers_of(network, library)
     like = [one for one in numbers if name in one.split(".")]
     raise UsageError(
-        f"{option} {text!r:.120}: write {_FORM}{_such_as(like or numbers)}"
+        f"{option} {text!r:.120} is not allowed: must be {_FORM}{_such_as(like or numbers)}"
         if name or equals
         else f"{option}: name a parameter to fit{_such_as(numbers)}"
     )

@@ -57,7 +57,7 @@ def assignment(option: str, text: str, form: str) -> Assignment:
     left, equals, right = text.partition("=")
     node, dot, name = left.rpartition(".")
     if not (equals and dot and node and name):
-        raise UsageError(f"{option} {text!r:.120}: write {form}")
+        raise UsageError(f"{option} {text!r:.120} is not allowed: must be {form}")
     return Assignment(node, name, right)
 
 
@@ -104,7 +104,7 @@ def save_target(text: str) -> Save:
                 "NODE.PORT[TOP:BOTTOM,LEFT:RIGHT]=FILE, where each bound is a whole number or "
                 "left out"
             )
-            raise UsageError(f"--save {text!r:.120}: write {form}")
+            raise UsageError(f"--save {text!r:.120} is not allowed: must be {form}")
         text = f"{port}={file}"
     save = assignment("--save", text, "NODE.PORT=FILE")
     from nodes.files.formats import SAVED
@@ -119,8 +119,8 @@ def file_at_temperature(option: str, text: str) -> tuple[Path, float]:
     number, unit = words[:-1].removesuffix("°").strip(), words[-1:]
     if not (equals and name and unit in _ZERO_K and _NUMBER.fullmatch(number)):
         raise UsageError(
-            f"{option} {text!r:.120}: give a file and the temperature of its black body, such as "
-            "FILE=293.15K or FILE=20C"
+            f"{option} {text!r:.120} is not allowed: must be a file and the temperature of its "
+            "black body, such as FILE=293.15K or FILE=20C"
         )
     path = file_path(option, name)
     kelvin = float(number) + _ZERO_K[unit]
@@ -135,7 +135,7 @@ def file_at_temperature(option: str, text: str) -> tuple[Path, float]:
 def finite_number(option: str, text: str) -> float:
     number = float(text) if _NUMBER.fullmatch(text) else math.nan
     if not math.isfinite(number):
-        raise UsageError(f"{option} {text!r:.80}: give a number")
+        raise UsageError(f"{option} {text!r:.80} is not allowed: must be a number")
     return number
 
 
@@ -146,13 +146,15 @@ def low_high(option: str, text: str) -> tuple[float, float]:
     except ValueError:
         low = high = math.nan
     if not (colon and math.isfinite(low) and math.isfinite(high) and low < high):
-        raise UsageError(f"{option}={text:.80}: write NODE.PARAM=LOW:HIGH, with LOW below HIGH")
+        raise UsageError(
+            f"{option}={text:.80} is not allowed: must be NODE.PARAM=LOW:HIGH, with LOW below HIGH"
+        )
     return low, high
 
 
 def file_path(option: str, text: str) -> Path:
     if not text or "\0" in text:
-        raise UsageError(f"{option} {text!r:.120}: give a file name")
+        raise UsageError(f"{option} {text!r:.120} is not allowed: must be a file name")
     return Path(text)
 
 
@@ -177,14 +179,16 @@ def whole_number(option: str, text: str, largest: int | None = None) -> int:
     """A whole number; `largest` is for the message, its user checks it."""
     if not re.fullmatch(r"[+-]?[0-9]+", text, re.ASCII) or len(text) > _LONGEST_NUMBER:
         allowed = "" if largest is None else f" from 0 to {largest}"
-        raise UsageError(f"{option} {text!r:.80}: give a whole number{allowed}")
+        raise UsageError(f"{option} {text!r:.80} is not allowed: must be a whole number{allowed}")
     return int(text)
 
 
 def tolerance(option: str, text: str) -> float:
     number = float(text) if _NUMBER.fullmatch(text) else math.nan
     if not 0 <= number < 1:
-        raise UsageError(f"{option} {text!r:.80}: give a number of at least 0 and below 1")
+        raise UsageError(
+            f"{option} {text!r:.80} is not allowed: must be a number of at least 0 and below 1"
+        )
     return number
 
 
@@ -192,7 +196,10 @@ def size_in_bytes(option: str, text: str) -> int:
     size = _SIZE.fullmatch(text.strip())
     bytes_of = 0.0 if size is None else float(size[1]) * _UNITS[size[2].lower()]
     if not 1e3 <= bytes_of <= 1e18:
-        raise UsageError(f"{option} {text!r:.80}: give a size such as 2GB or 500MB, 1kB or more")
+        raise UsageError(
+            f"{option} {text!r:.80} is not allowed: must be a size such as 2GB or 500MB, 1kB or "
+            "more"
+        )
     return int(bytes_of)
 
 
@@ -200,6 +207,7 @@ def window_size(option: str, text: str) -> tuple[int, int]:
     size = re.fullmatch("([0-9]{1,5})x([0-9]{1,5})", text.lower(), re.ASCII)
     if size is None or not all(320 <= int(side) <= 16384 for side in size.groups()):
         raise UsageError(
-            f"{option} {text:.80}: must be WIDTHxHEIGHT, whole numbers from 320 to 16384"
+            f"{option} {text:.80} is not allowed: must be WIDTHxHEIGHT, whole numbers from 320 to "
+            "16384"
         )
     return int(size[1]), int(size[2])

@@ -119,7 +119,7 @@ def with_final(network: Network, port: str, *, library: Library) -> Network:
     port = network.port_names.get(port, port)
     name, dot, output = port.rpartition(".")
     if not dot:
-        raise UsageError(f"--final {shown(port)}: write NODE.PORT")
+        raise UsageError(f"--final {shown(port)} is not allowed: must be NODE.PORT")
     node = network.nodes.get(name)
     if node is None:
         known = near(name, network.nodes)
@@ -360,7 +360,7 @@ def _range(setting: Assignment, parameter: Parameter, most: int, *, drawn: bool)
         return Variation(setting.node, parameter, (), log, span=span)
     if not _COUNT.fullmatch(parts[2]) or not 2 <= int(parts[2]) <= most:
         raise UsageError(
-            f"{OPTION} {setting.port}: COUNT = {parts[2]:.20} is not allowed: give 2 to {most}"
+            f"{OPTION} {setting.port}: COUNT = {parts[2]:.20} is not allowed: must be 2 to {most}"
         )
     values = spaced(low, high, int(parts[2]), log=log, whole=whole)
     return Variation(setting.node, parameter, values, log)

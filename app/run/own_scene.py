@@ -60,14 +60,18 @@ class OwnScene:
         allowed = "above 0° and below 180°"
         for value in self.fov_deg or ():
             if not 0.0 < value < 180.0:
-                raise UsageError(f"{self.named('fov_deg')} {value:g}: give {allowed}")
+                raise UsageError(
+                    f"{self.named('fov_deg')} {value:g} is not allowed: must be {allowed}"
+                )
         for name, length in (("range_m", self.range_m), ("sample_m", self.sample_m)):
             if length is not None and not 0.0 < length < math.inf:
-                raise UsageError(f"{self.named(name)} {length:g}: give a length above 0 m")
+                raise UsageError(
+                    f"{self.named(name)} {length:g} is not allowed: must be a length above 0 m"
+                )
         if self.band_um is not None and not 0.0 < self.band_um[0] < self.band_um[1] < 1e6:
             low, high = self.band_um
-            what = "give the shortest and the longest wavelength in µm"
-            raise UsageError(f"{self.named('band_um')} {low:g} {high:g}: {what}")
+            what = "must be the shortest and the longest wavelength in µm"
+            raise UsageError(f"{self.named('band_um')} {low:g} {high:g} is not allowed: {what}")
         if self.fov_deg is not None and self.sample_m is not None:
             names = f"{self.named('fov_deg')} and {self.named('sample_m')}"
             raise UsageError(f"{names} both set the field of view: give only one of them")
@@ -232,7 +236,9 @@ class _Replacing:
             same = True  # the network lights it already
         if radiance is None and not same and not self._conversion(unit):
             if stated and unit != RELATIVE:
-                raise UsageError(f"{self._own.named('unit')} {shown(own.unit)}: give {_KNOWN}")
+                raise UsageError(
+                    f"{self._own.named('unit')} {shown(own.unit)} is not allowed: must be {_KNOWN}"
+                )
             return values | self._relative(unit)
         if radiance is not None and radiance.spectral:
             if band is None:

@@ -45,7 +45,8 @@ class Output:
         more = len(self.choices) - _MOST_NAMED
         named += f" and {more} more" if more > 0 else ""
         return (
-            f"this network ends in {len(self.choices)} pictures ({named}) and none is marked final"
+            f"this network ends in {len(self.choices)} pictures ({named}) and none is marked as "
+            "the output"
         )
 
 
@@ -127,7 +128,8 @@ def _picture_of(plan: Plan, name: str) -> str:
     taken = [port for port in _sink_inputs(plan) if port[0] == name]
     if not taken:
         raise NetworkError(
-            "this node is marked final but has no picture: mark a node with a picture", node=name
+            "this node is marked as the output but has no picture: mark a node with a picture",
+            node=name,
         )
     return taken[0][1]
 

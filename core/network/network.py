@@ -292,7 +292,9 @@ def with_marks(network: Network, marked: Collection[str], extra: Mapping[str, An
 
 def marked_twice(marked: tuple[str, ...]) -> NetworkError:
     named = ", ".join(map(shown, marked[:8])) + (", …" if marked[8:] else "")
-    return NetworkError(f"{len(marked)} nodes are marked final ({named}); only one is allowed")
+    return NetworkError(
+        f"{len(marked)} nodes are marked as the output ({named}); only one is allowed"
+    )
 
 
 def _check_extra(extra: Mapping[str, Any], taken: tuple[str, ...]) -> None:

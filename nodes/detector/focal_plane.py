@@ -83,11 +83,12 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
     the converter has clipped.
 
     A charge gain multiplies the electrons after PRNU and DSNU, and adds excess noise. All results
-    are in electrons before the charge gain. Read noise, wells and gain_e_per_dn refer to electrons
-    after the charge gain; with an EM register, full_well_e refers to electrons before the register.
-    Values in amperes include a gain within the pixel, as in a QWIP's data sheet; values in e-/s,
-    DSNU and Rule 07 do not. The setting gain_dB is 20·log10 of the camera's own gain. The camera's
-    gain divides gain_e_per_dn, so the converter clips at fewer electrons.
+    are in electrons before the charge gain. The values given for read noise, wells and
+    gain_e_per_dn refer to electrons after the charge gain; with an EM register, full_well_e refers
+    to electrons before the register. Values in amperes include a gain within the pixel, as in a
+    QWIP's data sheet; values in e-/s, DSNU and Rule 07 do not. The setting gain_dB is 20·log10 of
+    the camera's own gain. The camera's gain divides gain_e_per_dn, so the converter clips at fewer
+    electrons.
 
     Binning sums binning_x × binning_y pixels; all figures then refer to a bin. `charge` sums the
     electrons and reads them once; register_well_e limits the sum. `digital` reads each pixel and
@@ -447,8 +448,9 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
         if shortest >= SHORTEST_THERMAL_UM or image.bands is not None:
             return None
         return Caution(
-            f"the band begins at {shortest:g} µm, where radiance has no brightness temperature: "
-            f"photons are weighted with the spectrum of a source at {self.source_K:g} K",
+            f"the band begins at {shortest:g} µm, where light is mainly reflected and has no "
+            f"brightness temperature: photons are weighted with the spectrum of a source at "
+            f"{self.source_K:g} K",
             "set photon_weighting to source to accept this spectrum, or to middle to use the "
             "band's middle wavelength; NETD is then left out",
         )

@@ -93,7 +93,7 @@ def test_options_of_a_run(kodak):
     for named, message in (
         ({"region": np.s_[10:10, :]}, "region = "),
         ({"region": 3}, "region = 3 is not allowed: must be two slices"),
-        ({"memory": "much"}, "memory 'much': give a size such as 2GB"),
+        ({"memory": "much"}, "memory 'much' is not allowed: must be a size such as 2GB"),
         ({"precision": "half"}, "precision = 'half' is not allowed: must be single or double"),
         ({"outputs": ["back.picture"]}, "back.picture: back has no output 'picture'"),
     ):
@@ -445,7 +445,7 @@ def test_a_file_takes_the_place_of_the_scene(tmp_path, monkeypatch):
     chain.save(tmp_path / "mine.json")
     again = ic.open(tmp_path / "mine.json").run().image("to_radiance.image")
     np.testing.assert_array_equal(again, ours)
-    with pytest.raises(ic.UsageError, match="fov_deg 0: give above 0°"):
+    with pytest.raises(ic.UsageError, match="fov_deg 0 is not allowed: must be above 0°"):
         chain.replace_scene("own.npy", fov_deg=(0.0, 1.0))
     with pytest.raises(ic.ImagechainError, match="7 is not a picture: give a file or"):
         chain.scene = 7

@@ -44,7 +44,10 @@ USAGE = {
     "save unknown suffix": (["run", "net.json", "--save", "pixels.image=a.jpg"], "'a.jpg'"),
     "save context": (["run", "net.json", "--save", "init.context=a.npy"], "context"),
     "save over the network": (["run", "net.json", "--report", "net.json"], "input of this run"),
-    "final without a port": (["run", "net.json", "--final", "back"], "--final back: write NODE.P"),
+    "final without a port": (
+        ["run", "net.json", "--final", "back"],
+        "--final back is not allowed: must be NODE.P",
+    ),
     "output folder is a file": (["run", "net.json", "--output-dir", "net.json"], "not a folder"),
     "device": (["run", "net.json", "--save", "pixels.image=pipe.npy"], "not a regular file"),
     "long folder, seen from the root": (

@@ -123,7 +123,7 @@ def test_bad_settings(given, message, networks, fails):
 # --- which picture is the output ---
 
 LINE = (
-    "this network ends in 2 pictures (pixels.image, noisy.image) and none is marked final: "
+    "this network ends in 2 pictures (pixels.image, noisy.image) and none is marked as the output: "
     "select the node whose picture is the output and press O, or give --final NODE.PORT"
 )
 

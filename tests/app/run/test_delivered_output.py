@@ -88,7 +88,7 @@ def test_two_marks_are_refused(two):
     for name in ("pixels", "noisy"):
         two["nodes"][name]["final"] = True
     network = parse_network(json.dumps(two), library=LIBRARY)
-    told = "2 nodes are marked final (pixels, noisy); only one is allowed"
+    told = "2 nodes are marked as the output (pixels, noisy); only one is allowed"
     assert [str(each) for each in problems(network, library=LIBRARY)] == [told]
     assert problems(network, library=LIBRARY, unfinished=True) == []  # to be mended in the editor
     with pytest.raises(NetworkError, match="2 nodes are marked"):

@@ -193,7 +193,10 @@ def test_several_scenes_are_asked_about(fails, picture):
     ("words", "said"),
     [
         (("--scene", "nothing.tif"), "nothing.tif: no such file"),
-        (("--scene", "own.tif", "--scene-fov-deg", 4, 200), "--scene-fov-deg 200: give above 0°"),
+        (
+            ("--scene", "own.tif", "--scene-fov-deg", 4, 200),
+            "--scene-fov-deg 200 is not allowed: must be above 0°",
+        ),
         (("--scene", "own.tif", "--scene-unit", "W/m2"), "'W/m2' is not understood"),
         (("--scene", "own.tif", "--scene-sample-m", 1), "--scene-sample-m needs --scene-range-m"),
         (

@@ -12,7 +12,9 @@ BOUNDS = {
     "39:,:1": (slice(39, ROWS), slice(0, 1)),
     "007:9,00:48": (slice(7, 9), slice(None)),
 }
-FORM = "write NODE.PORT[TOP:BOTTOM,LEFT:RIGHT]=FILE, where each bound is a whole number or left out"
+FORM = (
+    "must be NODE.PORT[TOP:BOTTOM,LEFT:RIGHT]=FILE, where each bound is a whole number or left out"
+)
 FAULTS = {
     "beyond right": (
         "back.image[:,40:49]=a.npy",

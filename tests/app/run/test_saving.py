@@ -83,7 +83,10 @@ def test_a_disk_that_is_full(frames, noisy, tmp_path):
             "--set=scene.height=65536",
             "1000000 frames of 32768 × 32768 samples take 4.29e+06 GB",
         ),
-        ("--frames=2000000", "--frames 2000000: give a whole number from 1 to 1000000\n"),
+        (
+            "--frames=2000000",
+            "--frames 2000000 is not allowed: must be a whole number from 1 to 1000000\n",
+        ),
     ],
 )
 def test_what_cannot_be_is_refused_before_anything_runs(fails, noisy, tmp_path, words, line):

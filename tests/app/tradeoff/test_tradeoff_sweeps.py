@@ -143,7 +143,7 @@ def test_values_as_they_are_said(network, text, values):
     [
         ("blur.sigma=1", "has no parameter sigma; allowed: apply, sigma_x_mrad"),
         ("blur.sigma_x_mrad=soft", "'soft' mrad"),
-        ("blur.sigma_x_mrad=0:1:1", "COUNT = 1 is not allowed: give 2 to 1000"),
+        ("blur.sigma_x_mrad=0:1:1", "COUNT = 1 is not allowed: must be 2 to 1000"),
         ("blur.sigma_x_mrad=0:1:5:log", "log needs FROM and TO above 0"),
     ],
 )
