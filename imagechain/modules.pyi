@@ -610,7 +610,8 @@ def reflected_light(
     optical_depth : float | Expression
         zenith optical depth of the air, for sunlight: a number from 0 to 1000; default 0.0
     sky : float | Expression
-        radiance of the sky [W/m²/sr/µm]: a number from 0 to 1e+12; default 0.0
+        spectral radiance of the sky, equal in all directions [W/m²/sr/µm]: a number from 0 to
+        1e+12; default 0.0
     illuminance_lux : float | Expression | None
         illuminance on the ground to which sun and sky are scaled; empty: no scaling [lx]: a number
         above 0 to 1e+09 or empty; default empty
@@ -746,9 +747,9 @@ def atmosphere_mtf(
     0.955) or, if `turbidity` is custom, from a number or the scattering coefficient along the path.
     On a downward or upward path, the scattering coefficient falls exponentially with height.
     Absorption attenuates all frequencies equally and does not blur; for absorption, use Atmospheric
-    Path. The blur is stronger looking up than looking down, because the strongest turbulence is
-    then near the aperture. r0 scales with λ^(6/5), and the aerosol cutoff ρc with 1/λ. Each band of
-    a spectral picture is blurred at its own wavelength.
+    Path. The blur is stronger on an upward path than on a downward path, because the strongest
+    turbulence of an upward path is near the aperture. r0 scales with λ^(6/5), and the aerosol
+    cutoff ρc with 1/λ. Each band of a spectral picture is blurred at its own wavelength.
 
     Sources: Tantalo 1996, section 4.2; Fried 1966; Sadot and Kopeika 1992.
 
@@ -760,7 +761,7 @@ def atmosphere_mtf(
     turbulence : Literal['gaussian', 'long_exposure', 'short_exposure', 'none']
         turbulence model: one of gaussian, long_exposure, short_exposure, none; default 'gaussian'
     fwhm_mrad : float | Expression
-        full width at half maximum of the blur [mrad]: a number of at least 0; default 0.0
+        full width at half maximum of the Gaussian blur [mrad]: a number of at least 0; default 0.0
     fried_r0_m : float | Expression | None
         Fried parameter r0; empty: from Cn² [m]: a number of at least 0 or empty; default empty
     wavelength_um : float | Expression | None
@@ -788,9 +789,8 @@ def atmosphere_mtf(
         cutoff frequency: particle radius over wavelength [cyc/mrad]: a number above 0; default
         0.001
     particle_radius_um : float | Expression | None
-        particle radius, which sets the cutoff (radius over wavelength); empty:
-        turbidity_cutoff_cyc_per_mrad sets the cutoff [µm]: a number from 0 to 1e+06 or empty;
-        default empty
+        particle radius, which sets the cutoff (radius over wavelength); empty: from
+        turbidity_cutoff_cyc_per_mrad [µm]: a number from 0 to 1e+06 or empty; default empty
     view : Literal['horizontal', 'vertical', 'up']
         line of sight, used with scattering_per_km and Cn²; vertical: looking down from a height;
         up: looking up to a height: one of horizontal, vertical, up; default 'horizontal'
@@ -2237,11 +2237,12 @@ def focal_plane(
     the converter has clipped.
 
     A charge gain multiplies the electrons after PRNU and DSNU, and adds excess noise. All results
-    are in electrons before the charge gain. Read noise, wells and gain_e_per_dn refer to electrons
-    after the charge gain; with an EM register, full_well_e refers to electrons before the register.
-    Values in amperes include a gain within the pixel, as in a QWIP's data sheet; values in e-/s,
-    DSNU and Rule 07 do not. The setting gain_dB is 20·log10 of the camera's own gain. The camera's
-    gain divides gain_e_per_dn, so the converter clips at fewer electrons.
+    are in electrons before the charge gain. The values given for read noise, wells and
+    gain_e_per_dn refer to electrons after the charge gain; with an EM register, full_well_e refers
+    to electrons before the register. Values in amperes include a gain within the pixel, as in a
+    QWIP's data sheet; values in e-/s, DSNU and Rule 07 do not. The setting gain_dB is 20·log10 of
+    the camera's own gain. The camera's gain divides gain_e_per_dn, so the converter clips at fewer
+    electrons.
 
     Binning sums binning_x × binning_y pixels; all figures then refer to a bin. `charge` sums the
     electrons and reads them once; register_well_e limits the sum. `digital` reads each pixel and
@@ -3219,11 +3220,11 @@ def measured_mtf(
     samples : int | Expression
         number of points on the curve: a whole number from 2 to 4096; default 129
     clip_left_px : int | Expression | None
-        first sample of the edge, in the direction of the measurement; empty: found automatically
-        [px]: a whole number of at least 0 or empty; default empty
+        first sample of the edge along the measurement, counted from 0 at the region's start; empty:
+        found automatically [px]: a whole number of at least 0 or empty; default empty
     clip_right_px : int | Expression | None
-        last sample of the edge, in the direction of the measurement; empty: found automatically
-        [px]: a whole number of at least 0 or empty; default empty
+        last sample of the edge along the measurement, counted from 0 at the region's start; empty:
+        found automatically [px]: a whole number of at least 0 or empty; default empty
     axis : Literal['cyc_per_mrad', 'cyc_per_pixel']
         unit of the frequency axis; always cycles per pixel if the picture has no sampling interval:
         one of cyc_per_mrad, cyc_per_pixel; default 'cyc_per_mrad'
@@ -3379,8 +3380,9 @@ def figures_of_merit(
         TTP: magnification, angle on the display / angle in the scene; empty: the picture fills the
         display: a number of at least 0 or empty; default empty
     range_max_km : float | Expression | None
-        longest range on the curve; empty: the range at which detection becomes unlikely [km]: a
-        number from 0 to 1e+06 or empty; default empty
+        longest range on the curve; empty: automatic, the range at which the probability of
+        detection is 10 % (Johnson) or of success 50 % (TTP), whichever is longer [km]: a number
+        from 0 to 1e+06 or empty; default empty
 
     Notes
     -----
@@ -3571,13 +3573,13 @@ def line_by_line(
 
     When is one interval for the whole image good enough? The error of a single interval grows as 1
     − cos(view angle). The network `line_by_line` blurs the built-in scene by three samples, as the
-    Inframetrics scanner does. There the largest error is 0.03 % of the picture's range for a field
-    of view of 10°, 0.5 % for 30°, 1.1 % for 45°, 2 % for 60°, 5 % for 90° and 10 % for 120°. The
-    rms errors for fields of view of 10°, 30°, 45°, 60°, 90° and 120° are 0.002, 0.02, 0.05, 0.1,
-    0.25 and 0.5 %. In the 30° field of view of Tantalo 1996, six-bit quantization hides the error.
-    Filtering line by line takes 1.3 to 4 times as long as filtering the whole image (`imagechain
-    bench`, table scanning); `direct` takes 60 times as long or more. Source: Tantalo 1996, section
-    2 and fig. 2.3; the thesis leaves the comparison to later work.
+    Inframetrics scanner does. There the largest error is 0.03 % of the picture's peak-to-peak range
+    for a field of view of 10°, 0.5 % for 30°, 1.1 % for 45°, 2 % for 60°, 5 % for 90° and 10 % for
+    120°. The rms errors for fields of view of 10°, 30°, 45°, 60°, 90° and 120° are 0.002, 0.02,
+    0.05, 0.1, 0.25 and 0.5 %. In the 30° field of view of Tantalo 1996, six-bit quantization hides
+    the error. Filtering line by line takes 1.3 to 4 times as long as filtering the whole image
+    (`imagechain bench`, table scanning); `direct` takes 60 times as long or more. Source: Tantalo
+    1996, section 2 and fig. 2.3; the thesis leaves the comparison to later work.
 
     Parameters
     ----------
@@ -3677,8 +3679,8 @@ def camera_geometry(
         number of lines; empty: the number in the scene: a whole number from 1 to 65536 or empty;
         default empty
     fov_x_deg : float | Expression | None
-        field of view across the track; empty: columns × pitch / focal length [deg]: a number from 0
-        below 180 or empty; default 20.0
+        field of view across the track; empty: from pixel pitch and focal length [deg]: a number
+        from 0 below 180 or empty; default 20.0
     pitch_x_um : float | Expression | None
         pixel pitch across the track [µm]: a number of at least 0 or empty; default empty
     pitch_y_um : float | Expression | None
@@ -3687,11 +3689,11 @@ def camera_geometry(
     focal_length_mm : float | Expression | None
         focal length [mm]: a number of at least 0 or empty; default empty
     velocity_m_per_s : float | Expression | None
-        ground speed; empty: consecutive lines touch at nadir [m/s]: a number of at least 0 or
-        empty; default empty
+        ground speed, given together with line_rate_Hz; both empty: lines touch at nadir [m/s]: a
+        number of at least 0 or empty; default empty
     line_rate_Hz : float | Expression | None
-        lines per second; empty: consecutive lines touch at nadir [Hz]: a number of at least 0 or
-        empty; default empty
+        lines per second, given together with velocity_m_per_s; both empty: lines touch at nadir
+        [Hz]: a number of at least 0 or empty; default empty
     roll_deg : float | Expression
         look angle to the right [deg]: a number from -89 to 89; default 0.0
     pitch_deg : float | Expression
@@ -3746,7 +3748,7 @@ def image_quality(
     target. GIQE 5 uses the geometric mean of the GSDs of GIQE 3 and 4, GSD/(sin e)^¼. The relative
     edge response (RER) is the rise of the edge response from half a sample before the edge to half
     a sample after it. The overshoot H is the maximum of the edge response 1 to 3 samples beyond the
-    edge; if the response only rises there, H is its value at 1.25 samples. RER and H follow from
+    edge; if the response only rises there, H is the response at 1.25 samples. RER and H follow from
     the chain's transfer functions; the SNR follows from the chain's signal and temporal noise. No
     noise is drawn or measured. GSD, RER and H are geometric means of the horizontal and vertical
     values; in GIQE 5 the worse RER counts twice. Connect the picture as the sensor samples it,

@@ -336,7 +336,7 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
 
     @readout()
     def negligible(self, outputs: MtfOutputs) -> Step | str:
-        """Whether largest_change is below one 8-bit step."""
+        """Whether largest_change is below 1/256 (one 8-bit step)."""
         if not outputs.mtf.factors:
             return "yes"
         return Step.of(_negligible, Step.of(_largest_change, transfer=outputs.mtf))

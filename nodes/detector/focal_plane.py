@@ -62,8 +62,8 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
     The steps, in this order: shot noise of all electrons, drawn for every pixel; PRNU and DSNU,
     which are the same in every frame; nonlinearity, which grows towards the full well; read noise;
     clipping at the full well; gain; offset; rounding to whole numbers. A PRNU of p multiplies all
-    electrons, including dark-current electrons, by 1 + p times a normal deviate; EMVA 1288 defines
-    PRNU on the light signal only.
+    electrons, including dark-current electrons, by 1 + p·n, where n is a standard normal deviate;
+    EMVA 1288 defines PRNU on the light signal only.
 
     Give the quantum efficiency as a number, in per cent, in A/W or as a curve over wavelength. On
     Camera, you can give a T-number, which includes the transmission, and choose the sine condition.

@@ -86,8 +86,8 @@ def test_the_camera_that_is_simulated_has_the_netd_it_predicts(works, tmp_path):
          "small.npy: contains frames of 20 × 20 samples, but hot.npy has 48 × 64: give files "
          "from the same camera"),
         (("hot.npy=300", "cold.npy=20C"),
-         "netd 'hot.npy=300' is not allowed: must be a file and the temperature of its black body, such as "
-         "FILE=293.15K or FILE=20C"),
+         "netd 'hot.npy=300' is not allowed: must be a file and the temperature of its "
+         "black body, such as FILE=293.15K or FILE=20C"),
         (("hot.npy=-300C",), "netd 'hot.npy=-300C': -26.85 K is not a possible temperature; "
          "allowed: above 0 K and up to 10000 K"),
         (("hot.npy=300K", "same.npy=290K"),

@@ -95,7 +95,10 @@ def test_frames_of_a_simulated_camera(works, small, write, tmp_path):
             "other.npy: contains frames of 5 × 6 samples, but flat0.npy has 60 × 80: give files "
             "from the same camera",
         ),
-        (("flat0.npy", "--offset-dn", "much"), "--offset-dn 'much' is not allowed: must be a number"),
+        (
+            ("flat0.npy", "--offset-dn", "much"),
+            "--offset-dn 'much' is not allowed: must be a number",
+        ),
         (
             ("flat0.npy",),
             "levels below 0.7 times saturation: 1 of 1. A photon transfer curve needs 2 or more "
