@@ -74,7 +74,7 @@ def measure_edge(
     -----
     As in ISO 12233:2023, samples are taken by their distance from the edge. In place of means of
     bins, a central difference and a window, whose responses would have to be divided out, a
-    spline is laid through the samples by least squares (`graded_spline`), and its derivative
+    spline is laid through the samples by least squares (`graded_breaks`), and its derivative
     transformed exactly.
     """
     check()
@@ -93,7 +93,7 @@ def measure_edge(
             f"samples; allowed: at most {_LARGEST_GAP:g}"
         )
     check()
-    transform = line_transform(spline=fit.basis.spline, frequency=np.append(0.0, frequency))
+    transform = line_transform(breaks=fit.breaks, frequency=np.append(0.0, frequency))
     mtf, sigma, shared = _modulus(samples, fit, transform, edge, frequency)
     return EdgeMtf(edge, frequency, mtf, sigma, shared, *_half(frequency, mtf, sigma))
 
@@ -149,17 +149,17 @@ def _variance(
     and West, 1987); their few differences are averaged over neighbouring frequencies before they
     are believed.
     """
-    alone = np.sum((effect @ fit.basis.normal_matrix(fit.residual**2)) * effect, axis=1)
+    scores = fit.basis * fit.residual[:, np.newaxis]
+    alone = np.sum((effect @ (scores.T @ scores)) * effect, axis=1)
     place = samples.along / edge.length + 0.5
     group = np.clip((place * _GROUPS).astype(np.intp), 0, _GROUPS - 1)
-    scores = fit.basis.onto_groups(fit.residual, group, _GROUPS)
     apart = np.abs(np.subtract.outer(np.arange(_GROUPS), np.arange(_GROUPS)))
     together = np.maximum(0.0, 1.0 - apart / _ALIKE)
-    moved = effect @ scores.T
+    moved = effect @ ((group == np.arange(_GROUPS)[:, np.newaxis]) @ scores).T
     pieces = np.sum((moved @ together) * moved, axis=1) * _GROUPS / (_GROUPS - _ALIKE / 2.0)
     near = np.exp(-0.5 * (np.subtract.outer(frequency, frequency) / _NEAR) ** 2)
     excess = (near @ pieces) / np.maximum(near @ alone, 1e-300)
-    degrees = len(fit.residual) / max(1.0, len(fit.residual) - fit.basis.size)
+    degrees = len(fit.residual) / max(1.0, len(fit.residual) - len(fit.coefficients))
     assumed = np.sum((effect @ fit.prior.T) ** 2, axis=1)
     return np.asarray(alone * degrees * np.maximum(1.0, excess) + assumed, np.float64)
 
