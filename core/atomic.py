@@ -8,7 +8,7 @@ import shutil
 import stat
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from core.errors import FileError
@@ -196,25 +196,11 @@ else:
 _PLAIN = getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
 
 
-class FileLock:
-    """A lock that is held until it is let go, or the process ends."""
+def take(path: Path) -> Callable[[], None] | None:
+    """Make a lock file of this process; None where the file system has no locks.
 
-    def __init__(self, path: Path, descriptor: int) -> None:
-        self._path = path
-        self._descriptor = descriptor
-
-    def let_go(self) -> None:
-        """Let go of it, and remove its file."""
-        with contextlib.suppress(OSError):
-            self._path.unlink()
-        with contextlib.suppress(OSError):
-            os.close(self._descriptor)
-        with contextlib.suppress(OSError):  # where an open file cannot be removed
-            self._path.unlink(missing_ok=True)
-
-
-def take(path: Path) -> FileLock | None:
-    """Make a lock file of this process; None where the file system has no locks."""
+    What is given back lets go of the lock, and removes its file; the process' end does so too.
+    """
     descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o600)
     try:
         _try(descriptor)
@@ -222,7 +208,14 @@ def take(path: Path) -> FileLock | None:
     except OSError:
         os.close(descriptor)
         return None
-    return FileLock(path, descriptor)
+
+    def let_go() -> None:
+        _remove(path)
+        with contextlib.suppress(OSError):
+            os.close(descriptor)
+        _remove(path)  # where an open file cannot be removed
+
+    return let_go
 
 
 @contextlib.contextmanager

@@ -17,7 +17,7 @@ from typing import Any
 from PySide6.QtCore import QFileSystemWatcher, QObject, QTimer, Signal
 
 from app.editor.session import Session
-from core.atomic import FileLock, is_held, take, write_text
+from core.atomic import is_held, take, write_text
 from core.editing.document import Document, mark, mark_of, rebased
 from core.editing.wiring import check_new_wires
 from core.errors import FileError, ImagechainError, NetworkError
@@ -38,7 +38,7 @@ class Autosave:
         self._document = document
         # Its recovery file, which is there only while there is unsaved work.
         self.path = folder / f"{token_hex(8)}{SUFFIX}"
-        self._lock: FileLock | None = None
+        self._let_go: Callable[[], None] | None = None
         self._written: tuple[Network, Path | None] | None = None
 
     def write_if_changed(self) -> bool:
@@ -67,8 +67,8 @@ class Autosave:
         }
         try:
             self.path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-            if self._lock is None:  # before the file: without a lock it counts as left behind
-                self._lock = take(self.path.with_suffix(LOCK_SUFFIX))
+            if self._let_go is None:  # before the file: without a lock it counts as left behind
+                self._let_go = take(self.path.with_suffix(LOCK_SUFFIX))
         except OSError as error:
             reason = error.strerror or type(error).__name__
             raise FileError(f"cannot write to {self.path.parent}: {reason}") from error
@@ -82,9 +82,9 @@ class Autosave:
         if self._written is not None:
             with suppress(OSError):
                 self.path.unlink(missing_ok=True)
-        if self._lock is not None:
-            self._lock.let_go()
-        self._lock = self._written = None
+        if self._let_go is not None:
+            self._let_go()
+        self._let_go = self._written = None
 
 
 @dataclass(frozen=True)
@@ -290,7 +290,7 @@ class FileWatch(QObject):
         super().__init__(parent)
         self._session, self._folder = session, folder
         self._document, self._path = session.document, session.document.path
-        self._lock: FileLock | None = None
+        self._let_go: Callable[[], None] | None = None
         self._own = self._said = ""  # name of the lock, mark of the file that was said last
         self._shared = self._warned = False
         self._watcher = QFileSystemWatcher(self)
@@ -303,9 +303,9 @@ class FileWatch(QObject):
 
     def close(self) -> None:
         self._soon.stop()
-        if self._lock is not None:
-            self._lock.let_go()
-        self._lock = None
+        if self._let_go is not None:
+            self._let_go()
+        self._let_go = None
 
     def _follow(self) -> None:
         document, before = self._session.document, (self._document, self._path)
@@ -324,7 +324,7 @@ class FileWatch(QObject):
             self._own = f"{name}{token_hex(8)}{LOCK_SUFFIX}"
             with suppress(OSError):
                 self._folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-                self._lock = take(self._folder / self._own)
+                self._let_go = take(self._folder / self._own)
             self._watcher.addPaths([str(self._folder), str(self._path.parent)])
             self._soon.start()
 

@@ -45,15 +45,15 @@ class Staging:
         self._staged: list[_Staged] = []
         self._guards: dict[Path, Guard] = {}
         self._places: dict[Path, Path] = {}
-        self._locks: list[atomic.FileLock] = []
+        self._locks: list[Callable[[], None]] = []
         self._swept: set[Path] = set()
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:
-        for lock in self._locks:
-            lock.let_go()
+        for let_go in self._locks:
+            let_go()
         for place in self._places.values():
             shutil.rmtree(place, ignore_errors=True)
 

@@ -265,8 +265,8 @@ class Journal:
         flags = os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
         with self._open as opened:
             with errors.writing(self.path):
-                if (lock := take(lock_path)) is not None:
-                    opened.callback(lock.let_go)
+                if (let_go := take(lock_path)) is not None:
+                    opened.callback(let_go)
                 elif is_held(lock_path):
                     raise errors.FileError(
                         f"cannot write {self._output}: another study is writing this file"

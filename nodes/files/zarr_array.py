@@ -77,17 +77,17 @@ def atomic_store(path: Path) -> Iterator[Path]:
         raise FileError(f"cannot write {path}: there is no folder {path.parent}")
     sweep(target.parent)
     place = target.parent / f"{FOLDER_PREFIX}{new_mark()}"
-    lock = None
+    let_go = None
     try:
         place.mkdir()
-        lock = take(place / LOCK)
+        let_go = take(place / LOCK)
         yield place / "new"
         _exchange(target, place)
     except OSError as error:
         raise FileError(f"cannot write {path}: {error.strerror or error}") from error
     finally:
-        if lock is not None:
-            lock.let_go()
+        if let_go is not None:
+            let_go()
         shutil.rmtree(place, ignore_errors=True)
 
 

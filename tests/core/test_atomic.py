@@ -13,10 +13,10 @@ from core.atomic import (
     FOLDER_PREFIX,
     LOCK,
     OLD_S,
+    _try,
     atomic_file,
     new_mark,
     sweep,
-    take,
     write_bytes,
     write_text,
 )
@@ -209,11 +209,12 @@ def test_what_a_killed_process_leaves_is_gone_with_the_next_write(tmp_path):
 def test_a_lock_that_is_held_keeps_a_folder(tmp_path):
     place = tmp_path / f"{FOLDER_PREFIX}{new_mark()}"
     place.mkdir()
-    lock = take(place / LOCK)
+    descriptor = os.open(place / LOCK, os.O_RDWR | os.O_CREAT)
+    _try(descriptor)
     aged(place, 400)
     sweep(tmp_path)
     assert place.is_dir()
-    os.close(lock._descriptor)  # as when its process ends
+    os.close(descriptor)  # as when its process ends
     sweep(tmp_path)
     assert names(tmp_path) == []
 

@@ -155,7 +155,7 @@ def left_behind(make_window, tmp_path):
     document = Document(window.session.network, library=library, saved=False)
     autosave = Autosave(document, tmp_path / "recovery")
     autosave.write_if_changed()
-    autosave._lock.let_go()  # its process is dead
+    autosave._let_go()  # its process is dead
     return autosave.path
 
 

@@ -49,7 +49,7 @@ def left_behind(tmp_path, library):
         network = load_network(shipped_networks()[name], library=library)
         autosave = Autosave(Document(network, library=library, saved=False), tmp_path / "recovery")
         autosave.write_if_changed()
-        autosave._lock.let_go()  # its process is dead
+        autosave._let_go()  # its process is dead
     return tmp_path / "recovery"
 
 

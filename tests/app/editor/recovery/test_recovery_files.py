@@ -31,10 +31,10 @@ def test_a_living_process_is_told_by_its_lock(folder, library):
     file = left_behind(folder)
     (work,) = recoverable(folder)
     assert work.document(library).network == Network()
-    lock = take(file.with_suffix(".lock"))
-    assert lock is not None
+    let_go = take(file.with_suffix(".lock"))
+    assert let_go is not None
     assert recoverable(folder) == ()
-    lock.let_go()
+    let_go()
     file.with_suffix(".lock").touch()
     assert len(recoverable(folder)) == 1
 
