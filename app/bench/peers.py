@@ -23,12 +23,19 @@ from app.run.terminal import version
 from core.evaluation.work import Policy, Precision
 from core.records import dataclass
 from core.transfer.factors import Edges, Planar
-from core.transfer.planar_blocks import Known
+from core.transfer.planar_blocks import Known, RadialTable
 
 Array = NDArray[Any]
 Deliver = Callable[[Array], Array]
 GONE = "pkg_resources"
 RANGE_M = 1000.0
+
+_KEPT = {
+    tuple: "stored at low rank",
+    np.ndarray: "stored as a whole plane",
+    RadialTable: "stored as a radial table",
+    type(None): "evaluated each time",
+}
 
 
 @dataclass(frozen=True)
@@ -122,7 +129,8 @@ class Ours(Chain):
             factor = plan.output("optics.mtf").factors[0]
             assert isinstance(factor, Planar)
             grid = plan.output("init.context").grid
-            self.note = self.work.value(Known(factor, grid, edges, node=factor.node)).description
+            kept = self.work.value(Known(factor, grid, edges, node=factor.node))
+            self.note = _KEPT[type(kept)]
         self._known = self.store.keys()
 
     def __call__(self, frame: Array) -> Array:

@@ -76,6 +76,10 @@ SMALLEST = 128  # smaller planes are evaluated sooner than approximated or kept
 THIN_SAMPLES = 1 << 19  # smaller planes are read from a radial table sooner than approximated
 
 
+Precomputed = tuple[Array, Array] | Array | RadialTable | None
+"""What is known of a factor on a quarter: two thin matrices, the plane, a table, or nothing."""
+
+
 class Planes:
     """The product of a chain's planar factors, symmetric ones only, by blocks of rows."""
 
@@ -85,7 +89,7 @@ class Planes:
         self._parts: list[tuple[Planar, Quarter, Precomputed]] = []
         for factor in product.planar:
             quarter = Quarter.of(self.xi, self.eta, factor.cutoff)
-            known = NOTHING_PRECOMPUTED
+            known: Precomputed = None
             if _is_precomputed(grid, axes):
                 known = work.value(Known(factor, grid, axes, node=factor.node))
             self._parts.append((factor, quarter, known))
@@ -98,43 +102,20 @@ class Planes:
             result = part if result is None else result * part
         return result
 
-    def _part(self, factor: Planar, quarter: "Quarter", known: "Precomputed", rows: slice) -> Array:
+    def _part(self, factor: Planar, quarter: "Quarter", known: Precomputed, rows: slice) -> Array:
         lines, which = quarter.rows(rows)
-        values = known.rows(lines)
-        if values is None:
-            values = _evaluated(self._work, factor, known.table, quarter, lines)
+        if isinstance(known, tuple):
+            values = thin_product(known[0][lines], known[1])
+        elif isinstance(known, np.ndarray):
+            values = np.asarray(known[lines])
+        else:
+            values = _evaluated(self._work, factor, known, quarter, lines)
         if which is None and len(quarter.xi) == quarter.columns:
             return values
         height = len(values) if which is None else len(which)
         part = np.zeros((height, quarter.columns), values.dtype)
         part[slice(None) if which is None else which, : len(quarter.xi)] = values
         return part
-
-
-@dataclass(frozen=True)
-class Precomputed:
-    """What is known of a factor on a quarter: two thin matrices, the plane, a table, or nothing."""
-
-    thin: tuple[Array, Array] | None = None
-    plane: Array | None = None
-    table: RadialTable | None = None
-
-    @property
-    def description(self) -> str:
-        if self.thin is not None:
-            return "stored at low rank"
-        if self.plane is not None:
-            return "stored as a whole plane"
-        return "evaluated each time" if self.table is None else "stored as a radial table"
-
-    def rows(self, lines: slice | Array) -> Array | None:
-        """Values at rows; None where they are evaluated anew."""
-        if self.thin is not None:
-            return thin_product(self.thin[0][lines], self.thin[1])
-        return None if self.plane is None else np.asarray(self.plane[lines])
-
-
-NOTHING_PRECOMPUTED = Precomputed()
 
 
 @dataclass(frozen=True, eq=False)
@@ -166,10 +147,10 @@ class Known(Recipe):
             table = _radial_table(work, factor, quarter)
             thin = _thin(work, factor, table, quarter)
             if thin is not None:
-                return Precomputed(thin=thin)
+                return thin
         dtype = work.policy.dtype
         if quarter.samples * dtype.itemsize > work.store.capacity_bytes // 4:
-            return Precomputed(table=table)
+            return table
         plane = np.empty((len(quarter.eta), len(quarter.xi)), dtype)
         height = max(1, BLOCK_SAMPLES // len(quarter.xi))
 
@@ -178,7 +159,7 @@ class Known(Recipe):
             plane[rows] = _evaluated(work, factor, table, quarter, rows)
 
         work.for_each(one, range(0, len(quarter.eta), height))
-        return Precomputed(plane=plane)
+        return plane
 
 
 def known_planes(product: Product, grid: Grid, axes: Edges) -> list[Recipe]:
