@@ -140,9 +140,9 @@ class _Account:
             yield Skip(
                 recipe.node or name, "wavelengths", text, bound=rank.bound, share=count / every
             )
-        for stage in recipe.spent(self.work)[1]:
+        for stage, bound in recipe.spent(self.work)[1]:
             text = f"{stage.label or 'the stage'} left out: its effect is below the error budget"
-            yield Skip(stage.node or "", "below_budget", text, bound=stage.bound)
+            yield Skip(stage.node or "", "below_budget", text, bound=bound)
 
 
 def _made(planned: PlannedNode) -> dict[str, Any]:

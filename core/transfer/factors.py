@@ -461,13 +461,8 @@ def _turned(frequency: Array) -> Array | None:
 RADII = 513  # places along the radius on which a radial factor is bounded
 
 
-@dataclass(frozen=True)
-class Skipped:
-    """A stage left out, and how much it could have changed."""
-
-    label: str
-    node: str | None
-    bound: float
+Skipped = tuple[Factor, float]
+"""A stage left out, and how much it could have changed."""
 
 
 def spend(
@@ -492,7 +487,7 @@ def spend(
         if bounds[index] > left:
             break
         left -= bounds[index]
-        skipped[index] = Skipped(factors[index].label, factors[index].node, bounds[index])
+        skipped[index] = factors[index], bounds[index]
     needed = tuple(f for index, f in enumerate(factors) if index not in skipped)
     return needed, tuple(skipped.values())
 
