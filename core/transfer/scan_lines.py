@@ -350,19 +350,10 @@ LAW_NODES = (4, 8, 12, 16, 24, 32)  # tried in turn
 LEAST_COLUMNS = 64  # narrower blocks are copied in pieces shorter than a line of the cache
 
 
-@dataclass(frozen=True)
-class Filtered:
-    """A frame of mixed sampling, and how it was made.
-
-    `nodes` intervals were taken for what does not separate, 0 if there is no such factor.
-    `response_error` is the largest error of the transfer function by blending, of those looked at,
-    `picture_error` that in the picture, were all columns as far from a node as the last.
-    """
-
-    picture: Array
-    nodes: int
-    response_error: float = 0.0
-    picture_error: float = 0.0
+Filtered = tuple[Array, int, float, float]
+"""A frame of mixed sampling; how many intervals were taken for what does not separate, 0 if there
+is no such factor; the largest error of the transfer function by blending, of those looked at, and
+that in the picture, were all columns as far from a node as the last."""
 
 
 def filter_mixed(
@@ -397,7 +388,7 @@ def filter_mixed(
     if chain.turned:
         picture = np.ascontiguousarray(picture.T)
     picture = picture.astype(work.policy.dtype, copy=False)
-    return Filtered(picture, count, response_error, error)
+    return picture, count, response_error, error
 
 
 Blend = tuple[Parts, int, Parts, float]

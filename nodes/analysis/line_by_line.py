@@ -33,7 +33,7 @@ def mixed(
 
 @ends_lineage
 def picture_of(_: Work, filtered: Filtered) -> Array:
-    return filtered.picture
+    return filtered[0]
 
 
 def by_view_angle(
@@ -64,6 +64,7 @@ def difference_table(
     intervals_mrad: Row,
     unit: str,
 ) -> wires.TableData:
+    nodes, response_error, picture_error = filtered[1:]
     rms, largest = _along_flight(picture, whole, scan)
     percent = _percent(_range(whole))
     degrees = np.degrees(view_angles_rad)
@@ -91,11 +92,11 @@ def difference_table(
          "sampling interval along the track, nearest nadir"),
         ("interval_edge_mrad", min(intervals_mrad), "mrad",
          "sampling interval along the track, farthest from nadir"),
-        ("scale_nodes", filtered.nodes, "",
+        ("scale_nodes", nodes, "",
          "number of sampling intervals at which non-separable factors were computed"),
-        ("response_error", filtered.response_error, "",
+        ("response_error", response_error, "",
          "largest interpolation error of the transfer function"),
-        ("error_percent", filtered.picture_error * percent, "%",
+        ("error_percent", picture_error * percent, "%",
          "estimated interpolation error, as a fraction of the picture's peak-to-peak range"),
     )  # fmt: skip
 
