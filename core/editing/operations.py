@@ -3,7 +3,6 @@
 import itertools
 import json
 from collections.abc import Callable, Collection, Container, Iterable, Mapping, Sequence
-from enum import Enum
 from functools import partial
 from types import MappingProxyType
 from typing import Any, TypeVar
@@ -29,14 +28,8 @@ from core.network.macro import (
 from core.network.network import EXPRESSION, Link, Network, Node, with_marks
 from core.records import dataclass, replace
 
-
-class Absent(Enum):
-    """The value of what is not there: a parameter left at its default, a field left out."""
-
-    ABSENT = "absent"
-
-
-ABSENT = Absent.ABSENT
+ABSENT: Any = object()
+"""The value of what is not there: a parameter left at its default, a field left out."""
 
 
 @dataclass(frozen=True)

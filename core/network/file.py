@@ -6,7 +6,6 @@ import math
 import re
 import stat
 from collections.abc import Callable, Mapping
-from functools import lru_cache
 from os import PathLike, fspath
 from pathlib import Path
 from typing import Any
@@ -368,25 +367,13 @@ def read_unchanged(path: Path, *, library: Library) -> Network:
     except (OSError, ValueError):
         return read_network(path, library=library)  # which says in one line why it cannot
     stamp = found.st_ino, found.st_size, found.st_mtime_ns
-    return _read(path, stamp, _SameLibrary(library))
+    known = _READ.get(path)
+    if known is None or known[0] is not library or known[1] != stamp:
+        known = _READ[path] = library, stamp, read_network(path, library=library)
+    return known[2]
 
 
-class _SameLibrary:
-    """A library as a key: it is compared by identity, since a mapping has no hash."""
-
-    def __init__(self, library: Library) -> None:
-        self.library = library
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, _SameLibrary) and other.library is self.library
-
-    def __hash__(self) -> int:
-        return id(self.library)
-
-
-@lru_cache(maxsize=256)  # files, of which a person's own presets are most
-def _read(path: Path, _stamp: tuple[int, int, int], same: _SameLibrary) -> Network:
-    return read_network(path, library=same.library)
+_READ: dict[Path, tuple[Library, tuple[int, ...], Network]] = {}
 
 
 def read_text(path: str | PathLike[str]) -> str:
