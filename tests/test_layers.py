@@ -15,7 +15,7 @@ STANDARD = set(sys.stdlib_module_names)
 # What each layer may import beside the standard library and itself.
 ALLOWED = {
     "core": {"numpy", "scipy"},
-    "nodes": {"numpy", "scipy", "core", "OpenImageIO", "pybsm", "zarr"},
+    "nodes": {"numpy", "scipy", "core", "OpenImageIO", "pybsm", "tifffile", "zarr"},
 }
 
 

@@ -37,7 +37,7 @@ def test_run_loads_neither_qt_nor_what_only_reports_need(tmp_path):
     loaded = loaded_by(["run", "first_steps"], tmp_path)
     packages = {name.split(".")[0] for name in loaded}
     assert not packages & QT
-    assert not packages & {"matplotlib", "rich", "OpenImageIO", "PIL", "zarr"}
+    assert not packages & {"matplotlib", "rich", "OpenImageIO", "PIL", "tifffile", "zarr"}
     assert "scipy" not in packages
 
 

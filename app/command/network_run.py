@@ -223,7 +223,7 @@ def _claim(plan: Plan, stage: Stage, policy: Policy) -> list[_Saved]:
     for path, kind, _ in files:
         if kind.beside is not None:
             staging.claim(header_beside_frames(path))
-    refuse_without_room(files)
+    refuse_without_room([(path, series) for path, _, series in files])
     for saved in saves:
         if way.on_disk(saved.value, policy):
             run.check_streamed(saved.port, saved.value, saved.path, frames)

@@ -1,15 +1,8 @@
-"""Writing files of frames, and reading them, one frame at a time, in the memory of one.
-
-A TIFF is not compressed, classic or big. Every page, and every tile, takes the same number of
-bytes, so a directory names what follows before that is written. Sources: Adobe, TIFF Revision 6.0
-(1992), sections 2, 8, 15 and 19; libtiff, BigTIFF design (2007).
-"""
+"""Writing files of frames, and reading them, one frame at a time, in the memory of one."""
 
 import contextlib
-import io
 import os
 import shutil
-import struct
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, BinaryIO, Literal
@@ -29,14 +22,9 @@ from nodes.files.stored_bytes import StoredBytes, readable_file, stored_bytes
 from nodes.files.tiff_reading import TiffLayout, channel_of, directories, tiff_layouts
 
 Array = NDArray[Any]
-_Entry = tuple[int, int, int, int]  # of a TIFF's directory: tag, type, count, value or place
 
 _BLOCK_SAMPLES = 1 << 24  # written at a time
-_CLASSIC_END = 1 << 32  # classic TIFF addresses bytes by 32 bits
-_ASCII, _SHORT, _LONG, _LONG8 = 2, 3, 4, 16
-_SAMPLE_FORMATS = {"u": 1, "i": 2, "f": 3}
-_PAGE_OF_SEVERAL = 2
-_LEAST_TEXT = 9  # a shorter one would stand in its directory's entry
+_CLASSIC_BYTES = (1 << 32) - (1 << 25)  # classic TIFF addresses 4 GiB, directories included
 _LONGEST_PX = 512  # rows and columns of a tile; multiples of 16, as the format has it
 _STEP_PX = 16
 
@@ -63,95 +51,14 @@ class FrameSeries:
         return self.rows, self.columns
 
     @property
-    def frame_bytes(self) -> int:
-        return self.rows * self.columns * self.dtype.itemsize
+    def size_bytes(self) -> int:
+        """Of all samples; what stands before them is small."""
+        return self.frames * self.rows * self.columns * self.dtype.itemsize
 
     @property
     def size_text(self) -> str:
         size = f"{self.rows} × {self.columns} samples"
         return size if self.frames == 1 else f"{self.frames} {self.what} of {size}"
-
-
-class _Tiff:
-    """Parts of a little-endian TIFF; a `big` one has places of 8 bytes."""
-
-    def __init__(self, series: FrameSeries, *, big: bool) -> None:
-        self.big, self.word = big, _LONG8 if big else _LONG
-        text = b""
-        if series.metadata:
-            text = picture_info.metadata_text(series.metadata).encode().ljust(_LEAST_TEXT) + b"\0"
-        even = text + b"\0" * (len(text) % 2)  # as directories begin
-        before = 16 if big else 8
-        first = before + len(even)
-        head = (b"II", 43, 8, 0, first) if big else (b"II", 42, first)
-        self.head = struct.pack("<2sHHHQ" if big else "<2sHI", *head) + even
-        self._entries: list[_Entry] = [
-            (256, _LONG, 1, series.columns),
-            (257, _LONG, 1, series.rows),
-            (258, _SHORT, 1, 8 * series.dtype.itemsize),
-            (259, _SHORT, 1, 1),
-            (262, _SHORT, 1, 1),
-            *([(270, _ASCII, len(text), before)] if text else []),
-            (277, _SHORT, 1, 1),
-            (284, _SHORT, 1, 1),
-            (339, _SHORT, 1, _SAMPLE_FORMATS[series.dtype.kind]),
-        ]
-        count = len(self._entries) + 4
-        self.directory_bytes = 16 + 20 * count if big else 6 + 12 * count
-
-    def directory(self, entries: Sequence[_Entry], following: int = 0) -> bytes:
-        """A directory with four more entries, and the place of the one that follows."""
-        every = sorted([*self._entries, *entries])
-        # Little-endian, so a short value stands first in its field, zeros behind it.
-        form, count, place = ("<HHQQ", "<Q", "<Q") if self.big else ("<HHII", "<H", "<I")
-        packed = b"".join(struct.pack(form, *entry) for entry in every)
-        return struct.pack(count, len(every)) + packed + struct.pack(place, following)
-
-
-def _tiff(series: FrameSeries, big: bool | None, blocks: int, block_bytes: int) -> _Tiff:
-    """A TIFF that is big, if not given, where classic TIFF could not address all of it."""
-    classic = _Tiff(series, big=False)
-    end = len(classic.head) + blocks * (classic.directory_bytes + block_bytes)
-    return _Tiff(series, big=True) if (end >= _CLASSIC_END if big is None else big) else classic
-
-
-def tiff_head(series: FrameSeries, *, big: bool | None = None) -> bytes:
-    return _tiff(series, big, series.frames, series.frame_bytes).head
-
-
-def tiff_page(series: FrameSeries, number: int, *, big: bool | None = None) -> bytes:
-    """The directory before the samples of a page, counted from 0; that of the next one named."""
-    tiff = _tiff(series, big, series.frames, series.frame_bytes)
-    page = tiff.directory_bytes + series.frame_bytes
-    start = len(tiff.head) + number * page
-    entries = [
-        (254, _LONG, 1, _PAGE_OF_SEVERAL),
-        (273, tiff.word, 1, start + tiff.directory_bytes),
-        (278, _LONG, 1, series.rows),
-        (279, tiff.word, 1, series.frame_bytes),
-    ]
-    return tiff.directory(entries, start + page if number + 1 < series.frames else 0)
-
-
-def tiled_head(series: FrameSeries, side: int, *, big: bool | None = None) -> bytes:
-    """What stands before the first tile: header, description, directory, and the tiles' places."""
-    count = -(-series.rows // side) * -(-series.columns // side)
-    tile_bytes = side * side * series.dtype.itemsize
-    tiff = _tiff(series, big, 1, count * (8 + tile_bytes))
-    letter = "Q" if tiff.big else "I"
-    lists = len(tiff.head) + tiff.directory_bytes
-    list_bytes = count * struct.calcsize(letter)
-    start = lists + (2 * list_bytes if count > 1 else 0)
-    places = struct.pack(f"<{count}{letter}", *range(start, start + count * tile_bytes, tile_bytes))
-    sizes = struct.pack(f"<{count}{letter}", *[tile_bytes] * count)
-    entries = [
-        (322, _LONG, 1, side),
-        (323, _LONG, 1, side),
-        # A single place stands in the entry itself.
-        (324, tiff.word, count, lists if count > 1 else start),
-        (325, tiff.word, count, lists + list_bytes if count > 1 else tile_bytes),
-    ]
-    return tiff.head + tiff.directory(entries) + (places + sizes if count > 1 else b"")
 
 
 def envi_header_text(series: FrameSeries) -> str:
@@ -180,27 +87,37 @@ def header_beside_frames(path: Path) -> Path:
     return path.with_name(path.name + HEADER_SUFFIX)
 
 
-def _nothing(_series: FrameSeries, _number: int = 0) -> bytes:
-    return b""
+def _write_samples(file: BinaryIO, series: FrameSeries, frames: Iterable[Array]) -> None:
+    for frame in frames:
+        step = max(1, _BLOCK_SAMPLES // max(1, frame.shape[1]))
+        for top in range(0, len(frame), step):
+            file.write(np.ascontiguousarray(frame[top : top + step], series.dtype).data)
 
 
-def _npy_head(series: FrameSeries) -> bytes:
-    head = io.BytesIO()
-    write_npy_header(head, (series.frames, *series.shape), series.dtype)
-    return head.getvalue()
+def _write_npy(file: BinaryIO, series: FrameSeries, frames: Iterable[Array]) -> None:
+    write_npy_header(file, (series.frames, *series.shape), series.dtype)
+    _write_samples(file, series, frames)
+
+
+def _write_tiff(file: BinaryIO, series: FrameSeries, frames: Iterable[Any], **layout: Any) -> None:
+    """A page for each of the frames, whose samples may come as tiles by a `layout`."""
+    # Imported when needed: 70 ms that a run without such files need not pay.
+    from tifffile import TiffWriter
+
+    text = picture_info.metadata_text(series.metadata).encode() if series.metadata else None
+    how: dict[str, Any] = {"photometric": "minisblack", "description": text, **layout}
+    with TiffWriter(file, bigtiff=series.size_bytes > _CLASSIC_BYTES, byteorder="<") as tiff:
+        for frame in frames:
+            samples = frame if layout else np.ascontiguousarray(frame, series.dtype)
+            tiff.write(samples, metadata=None, software=False, **how)
 
 
 @dataclass(frozen=True)
 class FrameFormat(Format):
-    head: Callable[[FrameSeries], bytes] = _nothing  # bytes before the first frame
-    page: Callable[[FrameSeries, int], bytes] = _nothing  # before each, as many for all of them
+    write: Callable[[BinaryIO, FrameSeries, Iterable[Array]], None] = _write_samples
     whole_numbers: bool = True  # whether a converter's numbers are stored as integers
     # text of the file beside it, of that name and `HEADER_SUFFIX`
     beside: Callable[[FrameSeries], str] | None = None
-
-    def size_bytes(self, series: FrameSeries) -> int:
-        page = len(self.page(series, 0)) + series.frame_bytes
-        return len(self.head(series)) + series.frames * page
 
     def stored_type(self, precision: np.dtype[Any], bits: int | None) -> np.dtype[Any]:
         """Integers of 16 or 32 bits for a converter's numbers, else floats of this precision."""
@@ -212,13 +129,13 @@ class FrameFormat(Format):
 FRAME_FORMATS = (
     # Floats, as .npy files of pictures are: whole numbers of 16 bits would wrap round where two
     # frames are subtracted.
-    FrameFormat(NPY.name, NPY.suffixes, NPY.description, _npy_head, whole_numbers=False),
-    FrameFormat(TIFF.name, TIFF.suffixes, "multi-page TIFF", tiff_head, tiff_page),
+    FrameFormat(NPY.name, NPY.suffixes, NPY.description, _write_npy, whole_numbers=False),
+    FrameFormat(TIFF.name, TIFF.suffixes, "multi-page TIFF", _write_tiff),
     FrameFormat(**vars(ENVI_FRAMES), beside=envi_header_text),
 )
 
 STORE = FrameFormat(**vars(ZARR), whole_numbers=False)
-"""A picture in a store, which is written by itself: here for its size."""
+"""A picture in a store, which is written by itself: here for the type of its samples."""
 
 
 def frame_format(path: Path) -> FrameFormat | None:
@@ -236,30 +153,28 @@ def write_frames(
     frames: Iterable[Array],
     done: Callable[[int], None] | None = None,
 ) -> None:
-    with _written(path) as file:
-        file.write(kind.head(series))
-        for number, frame in enumerate(frames):
-            file.write(kind.page(series, number))
-            step = max(1, _BLOCK_SAMPLES // max(1, frame.shape[1]))
-            for top in range(0, len(frame), step):
-                rows = frame[top : top + step]
-                file.write(np.ascontiguousarray(rows, series.dtype).data)
+    def counted() -> Iterator[Array]:
+        for number, frame in enumerate(frames, 1):
+            yield frame
             if done is not None:
-                done(number + 1)
+                done(number)
+
+    with _written(path) as file:
+        kind.write(file, series, counted())
 
 
 def write_tiled_tiff(path: Path, series: FrameSeries, samples: Array) -> None:
     """Write a picture, perhaps on disk, as a page of tiles, filled up with zeros at its ends."""
     rows, columns = samples.shape
     side = min(_LONGEST_PX, -(-max(samples.shape) // _STEP_PX) * _STEP_PX)
+    tiles = (
+        np.ascontiguousarray(samples[top : top + side, left : left + side], series.dtype)
+        for top in range(0, rows, side)
+        for left in range(0, columns, side)
+    )
+    layout = {"tile": (side, side), "shape": series.shape, "dtype": series.dtype}
     with _written(path) as file:
-        file.write(tiled_head(series, side))
-        for top in range(0, rows, side):
-            for left in range(0, columns, side):
-                part = samples[top : top + side, left : left + side]
-                tile = np.zeros((side, side), series.dtype)
-                tile[: part.shape[0], : part.shape[1]] = part
-                file.write(tile.data)
+        _write_tiff(file, series, [tiles], **layout)
 
 
 @contextlib.contextmanager
@@ -275,10 +190,10 @@ def _written(path: Path) -> Iterator[BinaryIO]:
         raise FileError(f"cannot write {path}: {error.strerror or error}") from error
 
 
-def refuse_without_room(files: Sequence[tuple[Path, FrameFormat, FrameSeries]]) -> None:
+def refuse_without_room(files: Sequence[tuple[Path, FrameSeries]]) -> None:
     """Refuse files of frames for which a disk has no room, before anything is computed."""
     left: dict[int, int] = {}
-    for path, kind, series in files:
+    for path, series in files:
         folder = next((above for above in path.absolute().parents if above.exists()), None)
         if folder is None:
             continue
@@ -287,7 +202,7 @@ def refuse_without_room(files: Sequence[tuple[Path, FrameFormat, FrameSeries]]) 
             free = left.setdefault(device, shutil.disk_usage(folder).free)
         except OSError as error:
             raise FileError(f"cannot write {path}: {error.strerror or error}") from error
-        size = kind.size_bytes(series)
+        size = series.size_bytes
         if size > free:
             raise FileError(
                 f"cannot write {path}: {series.size_text} take {_amount(size)}, but only "

@@ -147,9 +147,7 @@ class WriteImage(
     def _cube_files(self, image: Image, target: Path, work: Work) -> Files:
         dtype = _FLOATS.get(self.dtype, np.dtype(work.policy.dtype))
         cube = Cube(image, dtype, _metadata(image))
-        kind = frames.frame_format(target)
-        assert kind is not None
-        frames.refuse_without_room([(target, kind, cube.series)])
+        frames.refuse_without_room([(target, cube.series)])
         return [
             (target, partial(cube.write, work=work, name=target.name)),
             (frames.header_beside_frames(target), cube.write_header),

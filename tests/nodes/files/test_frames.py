@@ -11,15 +11,11 @@ from child_process import PEAK, run_program
 from core.errors import FileError
 from nodes.files.formats import read_info, read_pixels
 from nodes.files.frames import (
-    STORE,
     FrameSeries,
     frame_format,
     header_beside_frames,
     open_frames,
     refuse_without_room,
-    tiff_head,
-    tiff_page,
-    tiled_head,
     write_frames,
     write_tiled_tiff,
 )
@@ -41,7 +37,7 @@ def written(folder, name, samples, known=KNOWN):
     write_frames(path, kind, series, iter(samples))
     if kind.beside is not None:
         header_beside_frames(path).write_text(kind.beside(series), encoding="utf-8")
-    assert path.stat().st_size == kind.size_bytes(series)
+    assert 0 <= path.stat().st_size - series.size_bytes <= 600 * len(samples)
     return path
 
 
@@ -76,55 +72,32 @@ class TestTypes:
 
 
 @pytest.mark.parametrize("known", [{}, {"unit": "K"}, KNOWN])
-@pytest.mark.parametrize("big", [False, True])
-def test_classic_and_big_tiff_by_pillow(tmp_path, known, big):
+def test_pages_by_pillow(tmp_path, known):
     samples = drawn("<u2", (3, 6, 9))
-    series = FrameSeries(3, 6, 9, samples.dtype, known)
-    content = tiff_head(series, big=big)
-    for number, frame in enumerate(samples):
-        content += tiff_page(series, number, big=big) + frame.tobytes()
-    assert struct.unpack_from("<H", content, 2) == (43 if big else 42,)
-    (tmp_path / "f.tif").write_bytes(content)
-    with Pillow.open(tmp_path / "f.tif") as picture:
+    path = written(tmp_path, "f.tif", samples, known)
+    with Pillow.open(path) as picture:
         assert picture.n_frames == 3
         for number, frame in enumerate(samples):
             picture.seek(number)
             np.testing.assert_array_equal(np.asarray(picture), frame)
-            text = picture.tag_v2.get(270, "").strip()
-            assert ("unit = " in text) == bool(known)
+            assert ("unit = " in picture.tag_v2.get(270, "")) == bool(known)
 
 
-def test_beyond_four_gigabytes_a_tiff_is_big(tmp_path):
-    """A file with holes, of forty pages of 128 MiB: the last one lies beyond 4 GiB."""
-    series = FrameSeries(40, 1 << 13, 1 << 13, np.dtype("<u2"), {"unit": "DN"})
-    assert tiff_head(series)[2] == 43
-    assert tiff_head(FrameSeries(31, 1 << 13, 1 << 13, np.dtype("<u2")))[2] == 42
-    page = len(tiff_page(series, 0)) + series.frame_bytes
+@pytest.mark.parametrize(("frames", "version"), [(31, 42), (32, 43)])
+def test_beyond_four_gigabytes_a_tiff_is_big(tmp_path, frames, version):
+    """Of pages of 128 MiB, before the first is written."""
+    series = FrameSeries(frames, 1 << 13, 1 << 13, np.dtype("<u2"))
     path = tmp_path / "f.tif"
-    with path.open("wb") as file:
-        file.write(tiff_head(series))
-        for number in range(series.frames):
-            file.seek(len(tiff_head(series)) + number * page)
-            file.write(tiff_page(series, number))
-        place = file.tell()
-        file.write(struct.pack("<HH", 4095, 7))
-        file.truncate(place + series.frame_bytes)
-    assert place > 1 << 32
-    with Pillow.open(path) as picture:
-        picture.seek(39)
-        assert picture.size == (1 << 13, 1 << 13)
-        assert picture.tag_v2[273] == (place,)
-        with pytest.raises(EOFError):
-            picture.seek(40)
+    write_frames(path, frame_format(path), series, iter(()))
+    assert struct.unpack_from("<H", path.read_bytes(), 2) == (version,)
 
 
 def test_without_room_it_is_refused_before(tmp_path):
-    kind = frame_format(tmp_path / "f.bsq")
     small = FrameSeries(10, 10, 10, np.dtype("<u2"))
     huge = FrameSeries(10**6, 10**6, 10**6, np.dtype("<f8"))
-    refuse_without_room([(tmp_path / "f.bsq", kind, small)])
+    refuse_without_room([(tmp_path / "f.bsq", small)])
     with pytest.raises(FileError) as raised:
-        refuse_without_room([(tmp_path / "f.bsq", kind, small), (tmp_path / "g.bsq", kind, huge)])
+        refuse_without_room([(tmp_path / "f.bsq", small), (tmp_path / "g.bsq", huge)])
     line = str(raised.value)
     assert line.startswith(
         f"cannot write {tmp_path / 'g.bsq'}: 1000000 frames of 1000000 × 1000000 samples take "
@@ -133,7 +106,7 @@ def test_without_room_it_is_refused_before(tmp_path):
     assert "\n" not in line
     store = FrameSeries(1, 10**6, 10**7, np.dtype("<f8"))
     with pytest.raises(FileError, match=r"a\.zarr: 1000000 × 10000000 samples take 8e\+04 GB, but"):
-        refuse_without_room([(tmp_path / "a.zarr", STORE, store)])
+        refuse_without_room([(tmp_path / "a.zarr", store)])
 
 
 FRAMES = np.random.default_rng(3).integers(0, 60000, (6, 9, 13)).astype(np.uint16)
@@ -270,25 +243,3 @@ def test_read_by_others_and_by_us(tmp_path, shape, kind):
     info = read_info(path)
     assert (info.unit, info.fov_x_deg, info.dtype) == ("DN", 2.5, np.dtype(kind).name)
     np.testing.assert_array_equal(read_pixels(path), samples)
-
-
-@pytest.mark.parametrize(("side", "tiles"), [(32768, 4096), (65536, 16384)])
-def test_beyond_what_classic_tiff_addresses(side, tiles):
-    series = FrameSeries(1, side, side, np.dtype("<f4"))
-    head = tiled_head(series, 512)
-    order, version, word, _, first = struct.unpack_from("<2sHHHQ", head)
-    assert (order, version, word) == (b"II", 43, 8)
-    (number,) = struct.unpack_from("<Q", head, first)
-    tags = {
-        tag: (kind, count, value)
-        for tag, kind, count, value in (
-            struct.unpack_from("<HHQQ", head, first + 8 + 20 * place) for place in range(number)
-        )
-    }
-    assert list(tags) == sorted(tags)
-    assert tags[322] == tags[323] == (4, 1, 512)
-    kind, count, place = tags[324]
-    assert (kind, count) == (16, tiles)
-    places = struct.unpack_from(f"<{count}Q", head, place)
-    assert places[0] == len(head)
-    assert set(np.diff(places)) == {512 * 512 * 4}
