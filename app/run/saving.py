@@ -38,8 +38,7 @@ from nodes.files.frames import (
 )
 from nodes.files.table_cells import csv_lines
 from nodes.files.zarr_array import check_zarr, write_store
-from nodes.input_output.write_image import Cube
-from nodes.input_output.write_matrix import curve_columns
+from nodes.input_output.write_image import Cube, curve_columns
 
 Array = NDArray[Any]
 _TABLES = (CSV,)

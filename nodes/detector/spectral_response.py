@@ -15,8 +15,8 @@ from core.chain.wires import Image
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe, Step, pointwise
 from core.evaluation.work import Work
-from core.modules.declaration import Caution, Module, NodeContext, Section, readout, warning
-from core.modules.parameters import Formula, param
+from core.modules.declaration import Module, NodeContext, readout, warning
+from core.modules.parameters import Caution, Formula, Section, param
 from core.modules.preview import Axis, Curve, Mark, Plot, Preview, brief
 from core.physics.detector.detectivity import ResponseCurve
 from core.physics.detector.photon_conversion import (

@@ -11,8 +11,8 @@ from core.chain.wires import Context, Image, Table, Transfer
 from core.errors import ImagechainError, ParameterError, UnconnectedError
 from core.evaluation.recipes import Recipe, Step
 from core.evaluation.work import Work
-from core.modules.declaration import Formula, NodeContext, declaration, param, warning
-from core.modules.parameters import Caution, Offer, Section
+from core.modules.declaration import NodeContext, declaration, warning
+from core.modules.parameters import Caution, Formula, Offer, Section, param
 from core.modules.preview import (
     Axis,
     Bar,

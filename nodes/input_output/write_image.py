@@ -1,9 +1,10 @@
-"""Write Image: a picture into a file when a run asks for outputs."""
+"""Write Image and Write Matrix: files of a picture, of curves or of a transfer function."""
 
 import math
 from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, Literal
 
 import numpy as np
@@ -12,22 +13,15 @@ from numpy.typing import NDArray
 from core.atomic import atomic_file, write_text
 from core.chain.band_stack import BandStack
 from core.chain.engine import realize
-from core.chain.wires import Image
+from core.chain.wires import Curve, CurveData, Image, Transfer
 from core.errors import ParameterError
 from core.evaluation.recipes import Recipe, Region
 from core.evaluation.work import Work
 from core.modules.declaration import Formula, Module, NodeContext, Section, param
 from core.records import dataclass, field
-from nodes.files import frames
-from nodes.files.file_format import ENVI_FRAMES, ZARR, Format, suffixes
-from nodes.files.formats import (
-    DIGITAL_NUMBER,
-    WRITTEN,
-    check_finite,
-    integer_type,
-    write_picture,
-    written_format,
-)
+from nodes.files import formats, frames
+from nodes.files.arrays import write_curves, write_matrix
+from nodes.files.file_format import CSV, ENVI_FRAMES, ZARR, Format, suffixes
 from nodes.files.picture_info import MetadataValue
 from nodes.files.zarr_array import check_zarr, write_store
 
@@ -36,7 +30,7 @@ Files = list[tuple[Path, Callable[[Path], None]]]
 
 _BY_SUFFIX = "by_suffix"
 _CUBE = "envi"
-_FORMATS: dict[str, Format] = {**{kind.name: kind for kind in WRITTEN}, _CUBE: ENVI_FRAMES}
+_FORMATS: dict[str, Format] = {**{kind.name: kind for kind in formats.WRITTEN}, _CUBE: ENVI_FRAMES}
 _FLOATS: dict[str, np.dtype[Any]] = {"float": np.dtype(np.float32), "double": np.dtype(np.float64)}
 
 
@@ -95,7 +89,7 @@ class WriteImage(
     def run(self, image: Image, here: NodeContext) -> None:
         target = self.target(here)
         if ENVI_FRAMES.matches(target) and image.bands is None:
-            endings = ", ".join(suffixes(*WRITTEN))
+            endings = ", ".join(suffixes(*formats.WRITTEN))
             allowed = f"the picture has no spectral bands, so the name must end in {endings}"
             raise ParameterError("path", target.name, allowed)
         if ZARR.matches(target):
@@ -112,14 +106,14 @@ class WriteImage(
             raise ParameterError("path", None, allowed)
         path, wanted = here.folder / self.path, _FORMATS.get(self.format)
         others = (ENVI_FRAMES, ZARR) if wanted is None else (wanted,)
-        known = next((kind for kind in (*WRITTEN, *others) if kind.matches(path)), None)
+        known = next((kind for kind in (*formats.WRITTEN, *others) if kind.matches(path)), None)
         if known is not None and wanted not in (None, known):
             allowed = f"the name {self.path.name} has another format's suffix; choose by_suffix"
             raise ParameterError("format", self.format, allowed)
         if known is not None:
             return path
         if wanted is None:
-            endings = ", ".join(suffixes(*WRITTEN, ENVI_FRAMES, ZARR))
+            endings = ", ".join(suffixes(*formats.WRITTEN, ENVI_FRAMES, ZARR))
             allowed = f"no format has this suffix; choose a format, or end the name in {endings}"
             raise ParameterError("path", self.path.as_posix(), allowed)
         return path.with_name(path.name + wanted.suffixes[0])
@@ -130,7 +124,7 @@ class WriteImage(
         if ENVI_FRAMES.matches(target):
             return self._cube_files(image, target, work)
         samples = realize(image, work)
-        check_finite(samples, target.name)
+        formats.check_finite(samples, target.name)
         if ZARR.matches(target):
             kind = _FLOATS.get(self.dtype, samples.dtype)
             store = partial(write_store, samples=samples, metadata=_metadata(image), dtype=kind)
@@ -140,7 +134,12 @@ class WriteImage(
         if dtype.startswith("uint") and not self._as_they_are(image.unit):
             low, high = self._range(samples)
         writer = partial(
-            write_picture, array=samples, dtype=dtype, low=low, high=high, metadata=_metadata(image)
+            formats.write_picture,
+            array=samples,
+            dtype=dtype,
+            low=low,
+            high=high,
+            metadata=_metadata(image),
         )
         return [(target, writer)]
 
@@ -155,12 +154,12 @@ class WriteImage(
 
     def _as_they_are(self, unit: str) -> bool:
         """Whether integers are the samples themselves: digital numbers, and no range is given."""
-        return unit == DIGITAL_NUMBER and self.range_low is None and self.range_high is None
+        return unit == formats.DIGITAL_NUMBER and self.range_low is None and self.range_high is None
 
     def _stored(self, held: tuple[str, ...], samples: NDArray[Any], unit: str) -> str:
         if self.dtype != "automatic":
             return self.dtype
-        if self._as_they_are(unit) and (whole := integer_type(samples, unit, held)):
+        if self._as_they_are(unit) and (whole := formats.integer_type(samples, unit, held)):
             return whole
         if "float" not in held:
             return held[-1]
@@ -180,7 +179,7 @@ class WriteImage(
 def _dtypes(path: Path) -> tuple[str, ...]:
     if ENVI_FRAMES.matches(path) or ZARR.matches(path):
         return tuple(_FLOATS)
-    kind = written_format(path)
+    kind = formats.written_format(path)
     return kind.dtypes if kind is not None else ()
 
 
@@ -243,7 +242,7 @@ class Cube:
                 work.check()
                 for band in several:
                     cut = band if self.region is None else self.region.cut(band)
-                    check_finite(cut, name)
+                    formats.check_finite(cut, name)
                     file.write(np.ascontiguousarray(cut, dtype).data)
 
     def write_header(self, path: Path) -> None:
@@ -270,3 +269,81 @@ def _overlapping(bands: BandStack) -> bool:
 
 def _plain(unit: str) -> str:
     return unit.replace("²", "^2").replace("µ", "u")
+
+
+_SUFFIXES = suffixes(*formats.MATRICES)
+
+
+class WriteMatrix(
+    Module, key="write_matrix", title="Write Matrix", group="Input and output", sink=True
+):
+    """Write values as plain text, one row per line, readable by MathCad's READPRN.
+
+    A .csv file separates values with commas and names the columns of curves; .txt and .prn files
+    use spaces. For bar charts, the first column holds the names of the bars in a .csv file, and
+    their numbers, counted from 0, in other files. A transfer function is written in FFT order, zero
+    frequency first. Files are written when a run saves its outputs, as for Write Image.
+    """
+
+    without_formula = "Write Matrix writes numbers unchanged."
+
+    renamed = MappingProxyType({"curve": "image", "transfer": "image"})
+
+    path: Path | None = param(None, "file to write, relative to the network file's folder")
+
+    def run(self, image: Image | Curve | Transfer, here: NodeContext) -> None:
+        self.target(here)
+
+    def target(self, here: NodeContext) -> Path:
+        if self.path is None:
+            allowed = "a file name, relative to the network file's folder"
+            raise ParameterError("path", None, allowed)
+        if self.path.suffix.lower() not in _SUFFIXES:
+            allowed = f"a name that ends in {', '.join(_SUFFIXES)}"
+            raise ParameterError("path", self.path.as_posix(), allowed)
+        return here.folder / self.path
+
+    def files(self, inputs: Mapping[str, Any], here: NodeContext, work: Work) -> Files:
+        target = self.target(here)
+        value = realize(inputs["image"], work)
+        if not isinstance(value, CurveData):
+            return [(target, partial(write_matrix, array=value))]
+        columns = curve_columns(value)
+        if CSV.matches(target):
+            return [(target, partial(write_curves, curves=value, columns=columns))]
+        matrix = np.stack(list(columns.values()), axis=1)
+        return [(target, partial(write_matrix, array=matrix))]
+
+
+def curve_columns(curves: CurveData) -> dict[str, NDArray[np.float64]]:
+    """Columns of equal length for curves, by unique names.
+
+    One abscissa where all share it; else pairs of columns where all are equally long; else one
+    curve below the other, with its number in the first column.
+    """
+    series = curves.series
+    columns: dict[str, NDArray[np.float64]] = {}
+    if series and all(np.array_equal(curve.x, series[0].x) for curve in series):
+        columns[_name(curves.x_label, columns)] = series[0].x
+        for curve in series:
+            columns[_name(curve.label or curves.y_label, columns)] = curve.y
+        return columns
+    if series and len({len(curve.x) for curve in series}) == 1:
+        for curve in series:
+            columns[_name(f"{curve.label}: {curves.x_label}", columns)] = curve.x
+            columns[_name(curve.label, columns)] = curve.y
+        return columns
+    numbers = [np.full(len(curve.x), float(n)) for n, curve in enumerate(series, 1)]
+    columns["curve"] = np.concatenate([*numbers, np.empty(0)])
+    columns[_name(curves.x_label, columns)] = np.concatenate([*(s.x for s in series), np.empty(0)])
+    columns[_name(curves.y_label, columns)] = np.concatenate([*(s.y for s in series), np.empty(0)])
+    return columns
+
+
+def _name(wanted: str, taken: Mapping[str, object]) -> str:
+    """`wanted` without the signs that end a name in CSV, numbered if it is taken."""
+    plain = " ".join(wanted.replace(",", ";").replace('"', "'").split()) or "value"
+    name, number = plain, 2
+    while name in taken:
+        name, number = f"{plain} ({number})", number + 1
+    return name

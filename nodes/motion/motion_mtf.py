@@ -4,13 +4,7 @@ from typing import Any, Literal
 
 from core.chain.wires import Context, Magnitude
 from core.modules.declaration import Caution, Formula, NodeContext, Section, param, readout, warning
-from core.physics.sampling.platform_motion import (
-    blur_mrad,
-    line_motion_mtf,
-    motion_mtf,
-    scan_blur_mrad,
-    vibration_mtf,
-)
+from core.physics.sampling import platform_motion
 from core.transfer.factors import Law, Planar
 from nodes.shared.context_defaults import apart_from_context, given
 from nodes.shared.module_ports import MtfModule, MtfOutputs
@@ -38,7 +32,7 @@ class CrosstrackMTF(MtfModule, key="crosstrack_mtf", title="Crosstrack MTF", gro
     def run(self, context: Context, magnitude: Magnitude, here: NodeContext) -> MtfOutputs:
         blur = self.blur_mrad(context)
         x = {"blur_mrad": blur} if blur else None
-        return self.separated(magnitude, here, motion_mtf, x=x)
+        return self.separated(magnitude, here, platform_motion.motion_mtf, x=x)
 
     @warning
     def velocity(self, context: Context) -> Caution | None:
@@ -50,7 +44,9 @@ class CrosstrackMTF(MtfModule, key="crosstrack_mtf", title="Crosstrack MTF", gro
         """Width of the smear across the track."""
         name = "scan_velocity_mrad_per_s"
         velocity = given(name, self.scan_velocity_mrad_per_s, context)
-        return scan_blur_mrad(scan_velocity_mrad_per_s=velocity, dwell_time_s=self.dwell_time_s)
+        return platform_motion.scan_blur_mrad(
+            scan_velocity_mrad_per_s=velocity, dwell_time_s=self.dwell_time_s
+        )
 
 
 class AlongtrackMTF(MtfModule, key="alongtrack_mtf", title="Alongtrack MTF", group="Motion"):
@@ -78,7 +74,7 @@ class AlongtrackMTF(MtfModule, key="alongtrack_mtf", title="Alongtrack MTF", gro
     def run(self, context: Context, magnitude: Magnitude, here: NodeContext) -> MtfOutputs:
         blur = self.blur_y_mrad(context)
         y = {"blur_mrad": blur} if blur else None
-        return self.separated(magnitude, here, motion_mtf, y=y)
+        return self.separated(magnitude, here, platform_motion.motion_mtf, y=y)
 
     @warning
     def distance(self, context: Context) -> Caution | None:
@@ -96,7 +92,7 @@ class AlongtrackMTF(MtfModule, key="alongtrack_mtf", title="Alongtrack MTF", gro
         velocity = given("velocity_m_per_s", self.velocity_m_per_s, context)
         if velocity == 0 or self.integration_time_s == 0:
             return 0.0
-        return blur_mrad(
+        return platform_motion.blur_mrad(
             velocity_m_per_s=velocity,
             time_s=self.integration_time_s,
             range_m=given("range_m", self.range_m, context),
@@ -147,11 +143,11 @@ class RelativeMotionMTF(
     def run(self, context: Context, magnitude: Magnitude, here: NodeContext) -> MtfOutputs:
         x, y = self.blur_x_mrad("x", context), self.blur_x_mrad("y", context)
         if self.model == "line" and x and y:
-            law = Law.of(line_motion_mtf, blur_x_mrad=x, blur_y_mrad=y)
+            law = Law.of(platform_motion.line_motion_mtf, blur_x_mrad=x, blur_y_mrad=y)
             smear = Planar(law, symmetric=False, label=self.title, node=here.node)
             return self.mtf_outputs(magnitude, smear)
         across, along = ({"blur_mrad": blur} if blur else None for blur in (x, y))
-        return self.separated(magnitude, here, motion_mtf, x=across, y=along)
+        return self.separated(magnitude, here, platform_motion.motion_mtf, x=across, y=along)
 
     @warning
     def distance(self, context: Context) -> Caution | None:
@@ -165,7 +161,7 @@ class RelativeMotionMTF(
         velocity = getattr(self, platform) - getattr(self, image)
         if velocity == 0 or self.integration_time_s == 0:
             return 0.0
-        return blur_mrad(
+        return platform_motion.blur_mrad(
             velocity_m_per_s=velocity,
             time_s=self.integration_time_s,
             range_m=given("range_m", self.range_m, context),
@@ -200,7 +196,7 @@ class VibrationMTF(MtfModule, key="vibration_mtf", title="Vibration MTF", group=
 
     def run(self, context: Context, magnitude: Magnitude, here: NodeContext) -> MtfOutputs:
         x, y = map(self._parameters, (self.amplitude_x_mrad, self.amplitude_y_mrad))
-        return self.separated(magnitude, here, vibration_mtf, x=x, y=y)
+        return self.separated(magnitude, here, platform_motion.vibration_mtf, x=x, y=y)
 
     def _parameters(self, amplitude_mrad: float) -> dict[str, Any] | None:
         if amplitude_mrad == 0:

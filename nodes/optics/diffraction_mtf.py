@@ -21,6 +21,7 @@ from core.physics.optics.diffraction_otf import (
 from core.records import replace
 from core.transfer.factors import AtWavelength, Law, Planar
 from nodes.optics import band_spectrum
+from nodes.shared import module_ports
 from nodes.shared.context_defaults import (
     F_NUMBER_NEAR,
     Band,
@@ -29,22 +30,13 @@ from nodes.shared.context_defaults import (
     given_band,
     middle_caution,
 )
-from nodes.shared.module_ports import (
-    Apply,
-    CutOff,
-    CutOn,
-    LightingSource,
-    NyquistReadouts,
-    OtfOutputs,
-    otf_outputs,
-)
 from nodes.shared.steps import number
 
 Number = Literal["auto", 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 12, 16, 20, 24, 32, 48, 64]
 
 
 class DiffractionMTF(
-    NyquistReadouts, key="diffraction_mtf", title="Diffraction MTF", group="Optics"
+    module_ports.NyquistReadouts, key="diffraction_mtf", title="Diffraction MTF", group="Optics"
 ):
     """Blur by diffraction at a circular or annular aperture, computed exactly over the band.
 
@@ -107,13 +99,13 @@ class DiffractionMTF(
         slider=(0, 0.6),
         zero_is_empty=False,
     )
-    cut_on_um: CutOn = None
-    cut_off_um: CutOff = None
+    cut_on_um: module_ports.CutOn = None
+    cut_off_um: module_ports.CutOff = None
     weighting: Literal["photons", "energy", "uniform"] = param(
         "photons",
         "weighting of the wavelengths: by photons (as in a photon detector), by energy, or equal",
     )
-    source_K: LightingSource = None
+    source_K: module_ports.LightingSource = None
     response: band_spectrum.DetectorResponse = None
     wavelengths: Number = param(
         "auto",
@@ -132,7 +124,7 @@ class DiffractionMTF(
     rms_wavefront_waves: float = param(
         0.0, "rms wavefront error of any shape", (0, 0.18), slider=(0, 0.1)
     )
-    apply: Apply = "multiply"
+    apply: module_ports.Apply = "multiply"
 
     panel = (
         Section("Aperture", "aperture_mm obscuration_ratio"),
@@ -148,7 +140,7 @@ class DiffractionMTF(
 
     def run(
         self, context: Context, magnitude: Magnitude, here: NodeContext, phase: Phase | None = None
-    ) -> OtfOutputs:
+    ) -> module_ports.OtfOutputs:
         band, aperture = self._band(context), self.aperture_of(context)
         aperture.check(band[0])
         # Bands have their own light: no black body's over all of them is ever summed up.
@@ -176,7 +168,9 @@ class DiffractionMTF(
             magnitude,
             band_spectrum.weighting_responses(self.response, here.folder, None, "uniform"),
         )
-        return otf_outputs(self.apply, magnitude, phase, blur=(blur,), label=self.title)
+        return module_ports.otf_outputs(
+            self.apply, magnitude, phase, blur=(blur,), label=self.title
+        )
 
     def _by_bands(
         self,
@@ -281,7 +275,7 @@ class DiffractionMTF(
 
     @readout()
     def wavelengths_used(
-        self, context: Context, magnitude: Magnitude, outputs: OtfOutputs
+        self, context: Context, magnitude: Magnitude, outputs: module_ports.OtfOutputs
     ) -> int | Step:
         """Number of wavelengths, bands (spectral picture) or panels (response of many points)."""
         bands = self._bands(magnitude)
@@ -293,7 +287,7 @@ class DiffractionMTF(
 
     @readout()
     def estimated_error(
-        self, context: Context, magnitude: Magnitude, outputs: OtfOutputs
+        self, context: Context, magnitude: Magnitude, outputs: module_ports.OtfOutputs
     ) -> float | Step | None:
         """Estimated OTF error due to the number of wavelengths; unknown for a fixed number."""
         if self.wavelengths != "auto" or self._bands(magnitude) is not None:
@@ -313,7 +307,7 @@ def _of_context(context: Context) -> float | None:
     return context.focal_length_mm / context.f_number
 
 
-def _needed(outputs: OtfOutputs, wanted: str) -> Step:
+def _needed(outputs: module_ports.OtfOutputs, wanted: str) -> Step:
     factor = outputs.mtf.factors[0]
     assert isinstance(factor, Planar)
     bound = dict(factor.law.parameters)

@@ -15,8 +15,8 @@ from core.chain.wires import Image
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import in_blocks
 from core.evaluation.work import Work
-from core.modules.declaration import Caution, Module, NodeContext, Section, readout, warning
-from core.modules.parameters import Formula, param
+from core.modules.declaration import Module, NodeContext, readout, warning
+from core.modules.parameters import Caution, Formula, Section, param
 from core.physics.optics.field import Distortion as Lens
 from core.physics.optics.field import samples_at
 from core.records import dataclass

@@ -12,8 +12,8 @@ from core.chain.wires import Pupil
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Step
 from core.evaluation.work import Work
-from core.modules.declaration import Caution, Module, NodeContext, Section, readout, warning
-from core.modules.parameters import Formula, param
+from core.modules.declaration import Module, NodeContext, readout, warning
+from core.modules.parameters import Caution, Formula, Section, param
 from core.modules.preview import Axis, Picture, Plot, Preview, brief
 from core.physics.optics.pupil_shapes import (
     BARRED_SHAPES,

@@ -26,16 +26,8 @@ from nodes.optics.band_spectrum import (
     source_temperature,
     weighting_responses,
 )
+from nodes.shared import module_ports
 from nodes.shared.context_defaults import F_NUMBER_NEAR, alike, given_band, middle_caution
-from nodes.shared.module_ports import (
-    Apply,
-    CutOff,
-    CutOn,
-    LightingSource,
-    NyquistReadouts,
-    OtfOutputs,
-    otf_outputs,
-)
 from nodes.shared.steps import number
 
 SAME_WAVELENGTH = 1e-6  # share by which two may differ, as bands are typed in
@@ -280,7 +272,9 @@ Row = tuple[float, ...]
 EXACT_ERROR = 1e-12  # of the closed forms, as tested
 
 
-class ExitPupilMTF(NyquistReadouts, key="exit_pupil_mtf", title="Exit Pupil MTF", group="Optics"):
+class ExitPupilMTF(
+    module_ports.NyquistReadouts, key="exit_pupil_mtf", title="Exit Pupil MTF", group="Optics"
+):
     """Apply the incoherent OTF of an exit pupil: the pupil's normalised autocorrelation.
 
     The OTF of a geometric shape is exact, for one wavelength or a band. For pupils from files or
@@ -307,8 +301,8 @@ class ExitPupilMTF(NyquistReadouts, key="exit_pupil_mtf", title="Exit Pupil MTF"
         ),
     )
 
-    cut_on_um: CutOn = None
-    cut_off_um: CutOff = None
+    cut_on_um: module_ports.CutOn = None
+    cut_off_um: module_ports.CutOff = None
     size_x_cm: float = param(25.6, "width of the whole pupil array", low=0, above=True)
     size_y_cm: float = param(25.6, "height of the whole pupil array", low=0, above=True)
     method: Literal["exact", "autocorrelation"] = param(
@@ -325,9 +319,9 @@ class ExitPupilMTF(NyquistReadouts, key="exit_pupil_mtf", title="Exit Pupil MTF"
         "uniform",
         "weighting of the wavelengths: equal (as in Tantalo 1996), by photons, or by energy",
     )
-    source_K: LightingSource = None
+    source_K: module_ports.LightingSource = None
     response: DetectorResponse = None
-    apply: Apply = "multiply"
+    apply: module_ports.Apply = "multiply"
 
     panel = (
         Section("Wavelengths", "cut_on_um cut_off_um wavelengths"),
@@ -346,7 +340,7 @@ class ExitPupilMTF(NyquistReadouts, key="exit_pupil_mtf", title="Exit Pupil MTF"
         pupil: Pupil,
         here: NodeContext,
         phase: Phase | None = None,
-    ) -> OtfOutputs:
+    ) -> module_ports.OtfOutputs:
         scale = self._by_light(self._scale(context, pupil), context, magnitude, here)
         if phase is None:
             phase = Phase(None, magnitude.grid, magnitude.edges)
@@ -357,7 +351,7 @@ class ExitPupilMTF(NyquistReadouts, key="exit_pupil_mtf", title="Exit Pupil MTF"
                 Transfer(grid, part, label=label, own=raw_transfer(pupil, scale, part, node))
                 for part in ("mtf", "ptf")
             ]
-            return OtfOutputs(magnitude, phase, raw[0], raw[1])
+            return module_ports.OtfOutputs(magnitude, phase, raw[0], raw[1])
         shift, exact = None, self.method == "exact"
         blur = exact_factor(pupil, scale, label, node) if exact else None
         law = PupilLaw(pupil, scale, None, node)
@@ -371,7 +365,9 @@ class ExitPupilMTF(NyquistReadouts, key="exit_pupil_mtf", title="Exit Pupil MTF"
             how = (law, bands, self.weighting, detector)
             blur, shift = at_each_band(blur, *how), shift and at_each_band(shift, *how)
         shifts = () if shift is None else (shift,)
-        return otf_outputs(self.apply, magnitude, phase, blur=(blur,), shift=shifts, label=label)
+        return module_ports.otf_outputs(
+            self.apply, magnitude, phase, blur=(blur,), shift=shifts, label=label
+        )
 
     @warning
     def band(self, context: Context) -> Caution | None:

@@ -16,8 +16,8 @@ from core.chain.wires import CameraSheet, Context, Image, Magnitude
 from core.errors import ParameterError, several
 from core.evaluation.recipes import Recipe, Step, in_blocks
 from core.evaluation.work import Work
-from core.modules.declaration import Caution, Module, NodeContext, Section, readout, warning
-from core.modules.parameters import Formula, Param, param
+from core.modules.declaration import Module, NodeContext, readout, warning
+from core.modules.parameters import Caution, Formula, Param, Section, param
 from core.physics.optics import field as field_optics
 from core.physics.optics.blur import gaussian_mtf
 from core.physics.optics.field import samples_at

@@ -13,8 +13,8 @@ from core.chain.wires import Image
 from core.errors import ParameterError
 from core.evaluation.recipes import Region, Seen, Step, by_region
 from core.evaluation.work import Work
-from core.modules.declaration import Caution, Module, NodeContext, Section, readout, warning
-from core.modules.parameters import Formula, param
+from core.modules.declaration import Module, NodeContext, readout, warning
+from core.modules.parameters import Caution, Formula, Section, param
 from core.physics.optics.field import MOST_DEG, microlens_response, relative_illumination
 from core.records import dataclass
 from core.transfer.factors import Grid

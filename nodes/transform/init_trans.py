@@ -1,4 +1,4 @@
-"""Init & Trans: the sensor's geometry, and the image's magnitude and phase."""
+"""Init & Trans, the sensor's geometry and the image's magnitude and phase; and Back Transform."""
 
 import math
 from collections.abc import Mapping
@@ -7,17 +7,19 @@ from typing import NamedTuple
 
 import numpy as np
 
+from core.chain.back_transformed import back_transform
 from core.chain.engine import PlannedNode
 from core.chain.wires import CameraSheet, Context, Image, Magnitude, Phase, Platform
 from core.errors import ParameterError
 from core.evaluation.work import Work
-from core.modules.declaration import Caution, Module, NodeContext, Section, readout, warning
-from core.modules.parameters import Formula, param
+from core.modules.declaration import Module, NodeContext, readout, warning
+from core.modules.parameters import Caution, Formula, Section, param
 from core.modules.preview import Axis, Colour, Curve, Plot, Preview, Style, brief, pair
 from core.physics.sampling.detector_sampling import ifov_mrad
 from core.records import replace
 from core.transfer.factors import Edges, Grid
 from nodes.shared.context_defaults import apart, interval_of
+from nodes.shared.module_ports import ImageOutput
 
 
 class InitOutputs(NamedTuple):
@@ -333,3 +335,22 @@ def _facts(context: Context, pitch: tuple[float, float] | None) -> tuple[str, ..
     if context.velocity_m_per_s:
         facts.append(f"platform {brief(context.velocity_m_per_s)} m/s")
     return tuple(facts)
+
+
+class BackTransform(Module, key="back_transform", title="Back Transform", group="Transform"):
+    """Compute the image from a magnitude and a phase.
+
+    Magnitude and phase may come from different images A and B of the same size. The result then has
+    the spectrum |A|·exp(i·∠B) and periodic edges. Source: Tantalo 1996, section 4.1.
+    """
+
+    formulas = (
+        Formula(
+            r"L'=\mathcal{F}^{-1}\left\{A\,e^{i\phi}\prod_k M_k\,e^{i\theta_k}\right\}",
+            where="A, φ: magnitude and phase of the image; M_k, θ_k: MTF and PTF of every "
+            "stage in the chain",
+        ),
+    )
+
+    def run(self, magnitude: Magnitude, phase: Phase, here: NodeContext) -> ImageOutput:
+        return ImageOutput(back_transform(magnitude, phase, node=here.node))

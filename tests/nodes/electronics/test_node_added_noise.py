@@ -6,8 +6,7 @@ import pytest
 from core.errors import DataError, FileError, ParameterError
 from core.evaluation.work import Policy
 from node_bench import NodeBench
-from nodes.electronics.noise_file import NoiseFile
-from nodes.electronics.periodic_noise import PeriodicNoise
+from nodes.electronics.noise_sources import NoiseFile, PeriodicNoise
 from nodes.input_output.read_image import ReadImage
 from small_library import library_of
 

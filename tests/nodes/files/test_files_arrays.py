@@ -18,7 +18,7 @@ from core.modules.declaration import Module, NodeContext
 from linked_network import linked_network
 from nodes.files import arrays
 from nodes.files.formats import read_info, read_pixels
-from nodes.input_output.write_matrix import WriteMatrix
+from nodes.input_output.write_image import WriteMatrix
 from small_library import library_of
 
 

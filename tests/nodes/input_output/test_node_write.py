@@ -12,8 +12,7 @@ from nodes.files.arrays import read_matrix
 from nodes.files.formats import read_info, read_pixels
 from nodes.input_output.examine_image import ExamineImage
 from nodes.input_output.read_image import ReadImage
-from nodes.input_output.write_image import WriteImage
-from nodes.input_output.write_matrix import WriteMatrix, curve_columns
+from nodes.input_output.write_image import WriteImage, WriteMatrix, curve_columns
 from nodes.shared.module_ports import ImageOutput
 from small_library import library_of
 

@@ -8,8 +8,7 @@ from nodes.analysis.compare_images import CompareImages
 from nodes.input_output.read_image import ReadImage
 from nodes.input_output.test_scene import TestScene
 from nodes.motion.jitter_mtf import JitterMTF
-from nodes.transform.back_transform import BackTransform
-from nodes.transform.init_trans import InitTrans
+from nodes.transform.init_trans import BackTransform, InitTrans
 from small_library import library_of
 
 LIBRARY = library_of([TestScene, ReadImage, InitTrans, JitterMTF, BackTransform, CompareImages])
