@@ -21,7 +21,7 @@ from core.transfer.factors import Edges, Factor, Grid, Law, Separable
 from nodes.shared.context_defaults import is_radiance, pitch_in_samples
 from nodes.shared.module_ports import BeforeDigits, ImageOutput, OfPixels, passed_factors, separable
 from nodes.shared.steps import PictureRange, picture_range, stepped
-from nodes.transform.interpolate import within_frame
+from nodes.transform.resampling import within_frame
 
 _AROUND = np.arange(1 - physics.REACH, physics.REACH + 1)
 _SKEWED_ROWS = 64  # rows

@@ -27,7 +27,7 @@ from nodes.optics.mtf_file import MtfFile
 from nodes.optics.psf_file import PsfFile
 from nodes.shared.module_ports import ImageOutput, separable
 from nodes.shared.steps import stepped
-from nodes.transform.interpolate import within_frame
+from nodes.transform.resampling import within_frame
 
 Row = tuple[float, ...]
 _TURNS = 0.25  # of a PSF's outermost wave, from one frequency of its table to the next

@@ -15,7 +15,7 @@ from core.physics.optics.blur import gaussian_mtf
 from core.transfer.factors import Grid, Law, Planar
 from nodes.library import standard_library
 from nodes.shared.module_ports import radial, separable
-from nodes.transform.interpolate import interpolator, resampled
+from nodes.transform.resampling import interpolator, resampled
 
 ROWS, COLUMNS = 8, 12
 GRID = Grid(ROWS, COLUMNS, 1.0, 1.2)

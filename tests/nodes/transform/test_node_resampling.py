@@ -7,8 +7,7 @@ from core.physics.sampling.detector_sampling import block_mean_mtf
 from node_bench import NodeBench
 from nodes.input_output.read_image import ReadImage
 from nodes.library import standard_library
-from nodes.transform.interpolate import Interpolate
-from nodes.transform.pixels import AntiAlias, lanczos_mtf
+from nodes.transform.resampling import AntiAlias, Interpolate, lanczos_mtf
 from slow_reference.resampling import interpolated
 from small_library import library_of
 

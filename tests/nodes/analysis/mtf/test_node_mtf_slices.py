@@ -15,7 +15,7 @@ from linked_network import in_order, linked_network
 from nodes.analysis.mtf_slices import MtfSlices
 from nodes.input_output.test_scene import TestScene
 from nodes.motion.jitter_mtf import JitterMTF
-from nodes.optics.gaussian_mtf import GaussianMTF
+from nodes.optics.veiling_glare import GaussianMTF
 from nodes.transform.init_trans import InitTrans
 from small_library import library_of
 
