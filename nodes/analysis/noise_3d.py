@@ -13,7 +13,13 @@ from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe
 from core.evaluation.work import Work
 from core.modules.declaration import Formula, Module, NodeContext, Section, param
-from core.physics.noise.noise_components import COMPONENTS, MeasuredNoise, NoiseCube, NoiseVariances
+from core.physics.noise.noise_components import (
+    COMPONENTS,
+    MEANINGS,
+    MeasuredNoise,
+    NoiseCube,
+    NoiseVariances,
+)
 from nodes.analysis.lineage import ImageNoise, NoiseOf, noise_free
 from nodes.files.envi_header import header_beside
 from nodes.files.frames import FrameFile, open_frames
@@ -154,17 +160,6 @@ def measured_in_file(work: Work, *, path: Path, stamps: tuple[Stamp, ...]) -> Me
         work.check()
         cube.add(frame)
     return cube.measured()
-
-
-MEANINGS = {
-    "tvh": "random noise of each sample",
-    "vh": "fixed-pattern noise of each sample",
-    "v": "fixed row noise",
-    "h": "fixed column noise",
-    "t": "frame-to-frame noise",
-    "tv": "temporal row noise",
-    "th": "temporal column noise",
-}
 
 
 def noise_of_frames(frames: Iterator[NDArray[Any]], clean: NDArray[Any]) -> MeasuredNoise:

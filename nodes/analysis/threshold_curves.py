@@ -29,7 +29,7 @@ from core.physics.acquisition.target_acquisition import (
     thermal_contrast,
 )
 from core.physics.atmosphere.air_path import AirPath, transmission_at_ranges
-from core.physics.noise.noise_components import COMPONENTS, NoiseVariances
+from core.physics.noise.noise_components import COMPONENTS, MEANINGS, NoiseVariances
 from core.physics.numerics import range_for_probability
 from core.physics.radiometry.planck import band_radiance_derivative, brightness_temperature
 from core.records import dataclass, field, replace
@@ -104,11 +104,7 @@ def sensitivity(
     what the scene was multiplied by before the first.
     """
     band = {"cut_on_um": band_um[0], "cut_off_um": band_um[1]}
-    if seen.unknown:
-        raise DataError(
-            f"the noise after {', '.join(seen.unknown)} cannot be computed: "
-            "connect a picture from an earlier stage"
-        )
+    seen.require_known()
     if gain is None:
         raise DataError(
             "the noise cannot be expressed as a temperature difference: gain_model = literal on "
@@ -278,15 +274,6 @@ TtpForm = Literal["mrtd", "system_contrast_threshold"]
 TASKS = ("detection", "recognition", "identification")
 _POINTS = 201
 _LEAST = 0.1  # of the easiest task, where the curve ends by itself
-_MEANINGS = {
-    "tvh": "random noise of each sample",
-    "vh": "fixed-pattern noise of each sample",
-    "v": "fixed row noise",
-    "h": "fixed column noise",
-    "t": "frame-to-frame noise",
-    "tv": "temporal row noise",
-    "th": "temporal column noise",
-}
 
 
 @dataclass(frozen=True)
@@ -478,7 +465,7 @@ def merit_table(
         row("ner", unit, "rms temporal noise"),
         row("background_K", "K", "background temperature, at which dL/dT is taken"),
         TableRow("frames_integrated", frames, "", "frames averaged by the eye"),
-        *(row(f"sigma_{name}_K", "K", _MEANINGS[name]) for name in COMPONENTS),
+        *(row(f"sigma_{name}_K", "K", MEANINGS[name]) for name in COMPONENTS),
     ]
     for share in (0.25, 0.5, 0.75):
         text = f"{share:g} of Nyquist"

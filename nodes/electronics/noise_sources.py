@@ -445,35 +445,28 @@ class Noise3DSource(
     def run(self, image: Image, here: NodeContext) -> NoiseOutputs:
         """Plan the components and their sum; one that is 0 is not drawn."""
         rows, columns = image.shape
-        names: list[str] = []
-        sizes: list[float] = []
-        fields: list[Recipe] = []
+        parts: list[tuple[str, float, Recipe]] = []
         for name in COMPONENTS:
-            size = getattr(self, f"sigma_{name}")
-            if not size:
-                continue
-            shape = (rows if "v" in name else 1, columns if "h" in name else 1)
-            fields.append(self.deviates(here, f"sigma_{name}", shape, fixed=name in _FIXED))
-            names.append(name)
-            sizes.append(size)
+            if size := getattr(self, f"sigma_{name}"):
+                shape = (rows if "v" in name else 1, columns if "h" in name else 1)
+                field = self.deviates(here, f"sigma_{name}", shape, fixed=name in _FIXED)
+                parts.append((name, size, field))
         if self.corner_Hz:
-            fields.append(
-                here.step(
-                    flicker_deviates,
-                    stream=self.stream(here, "1/f", fixed=True),
-                    number=FrameNumber(),
-                    shape=image.shape,
-                    band=self._band(),
-                    frame_s=1.0 / self.frame_rate_Hz,
-                )
+            field = here.step(
+                flicker_deviates,
+                stream=self.stream(here, "1/f", fixed=True),
+                number=FrameNumber(),
+                shape=image.shape,
+                band=self._band(),
+                frame_s=1.0 / self.frame_rate_Hz,
             )
-            names.append(_FLICKER)
-            sizes.append(self._flicker_sigma())
-        sigmas = tuple(sizes)
+            parts.append((_FLICKER, self._flicker_sigma(), field))
+        sigmas = tuple(size for _, size, _ in parts)
+        fields = (field for _, _, field in parts)
         noise = here.step(summed, *fields, sigmas=sigmas, shape=image.shape)
-        if not names:
+        if not parts:
             return NoiseOutputs(image, image.with_recipe(noise))
-        how = {"names": tuple(names), "sigmas": sigmas}
+        how = {"names": tuple(name for name, _, _ in parts), "sigmas": sigmas}
         total = here.step(with_components, image.recipe, noise, **how)
         return NoiseOutputs(image.with_recipe(total), image.with_recipe(noise))
 

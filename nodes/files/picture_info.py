@@ -90,34 +90,29 @@ _MOST_BYTES: Mapping[str, float] = {
 }
 
 
-def refuse_oversized(info: PictureInfo, *, available_bytes: int | None = None) -> None:
+def refuse_oversized(info: PictureInfo) -> None:
     """Refuse a picture one band of which takes more than half of the memory the process may use."""
     dtype = delivered_dtype(np.dtype(info.dtype))
-    if reason := oversized(info.rows, info.columns, dtype, available_bytes=available_bytes):
+    if reason := oversized(info.rows, info.columns, dtype):
         raise FileError(f"{info.path}: {reason}")
 
 
-def oversized(
-    rows: int, columns: int, dtype: np.dtype[Any], *, available_bytes: int | None = None
-) -> str:
+def oversized(rows: int, columns: int, dtype: np.dtype[Any]) -> str:
     """Why a picture does not fit, with what it needs and what is allowed; empty where it does."""
-    memory = usable_bytes() if available_bytes is None else available_bytes
     needed = rows * columns * dtype.itemsize
-    if not memory or needed <= _SHARE * memory:
-        return ""
-    return (
-        f"{rows} × {columns} samples need {_gb(needed)}; the limit on this machine is "
-        f"{_gb(_SHARE * memory)}, half of the memory this process may use"
-    )
+    return _beyond(needed, f"{rows} × {columns} samples need {_gb(needed)}")
 
 
 def oversized_file(length: int) -> str:
-    memory = usable_bytes()
-    if not memory or length <= _SHARE * memory:
+    return _beyond(length, f"a file of {_gb(length)} is too large")
+
+
+def _beyond(needed: int, what: str) -> str:
+    most = _SHARE * usable_bytes()
+    if not most or needed <= most:
         return ""
     return (
-        f"a file of {_gb(length)} is too large; the limit on this machine is "
-        f"{_gb(_SHARE * memory)}, half of the memory this process may use"
+        f"{what}; the limit on this machine is {_gb(most)}, half of the memory this process may use"
     )
 
 

@@ -4,7 +4,7 @@ A scene is Σ_k a_k(x, y)·s_k(λ), with the shares a_k of its surfaces and text
 s_k, so that no band need be drawn by itself and no cube is ever in memory.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
@@ -380,12 +380,6 @@ def _of_surfaces(names: tuple[str, ...], shares: FloatArray, spectra: Spectra) -
     return np.asarray(shares @ np.array([spectra[name] for name in names]))
 
 
-Rows = Callable[[int, int], coverage.FloatArray]
-"""The samples of the rows from one number to another."""
-
-RowShares = Callable[[int, int], tuple[coverage.FloatArray, ...]]
-"""RowShares of these samples, whose product is the signal's."""
-
 STAR_RADIUS = 0.45
 """Radius of the star as a share of the frame's shorter side."""
 
@@ -413,107 +407,75 @@ def draw_target(
         else:
             _four_bar(drawing, width, height, frequency)
         return drawing.render({"background": background, "signal": signal}, canvas)
-    if kind == "sine":
-        return canvas.filled(_sine(width, height, background, signal, angle_deg, frequency))
-    if kind == "slanted_edge":
-        shares = _slanted_edge(width, height, angle_deg)
-    elif kind == "siemens_star":
-        shares = _siemens_star(width, height, frequency)
-    else:
-        row, column = (height // 2, width // 2) if kind == "point" else (-1, 0)
-        return canvas.filled(_even(width, background, row, column, signal))
-    return canvas.filled(_between(background, signal, shares))
+    if kind in ("point", "uniform"):
+        picture = canvas.filled(lambda start, stop: np.full((stop - start, width), background))
+        if kind == "point":
+            picture[height // 2, width // 2] = signal
+        return picture
+    if kind == "siemens_star" and not (
+        frequency == round(frequency) and 1 <= frequency <= MAX_SPOKES
+    ):
+        raise ParameterError("frequency", frequency, f"a whole number of spokes, 1 to {MAX_SPOKES}")
+    # In samples from the frame's centre.
+    x_edges, y_edges = (np.arange(count + 1.0) - 0.5 * count for count in (width, height))
 
-
-def _even(width: int, background: float, row: int, column: int, signal: float) -> Rows:
-    def rows(start: int, stop: int) -> coverage.FloatArray:
-        block = np.full((stop - start, width), background)
-        if start <= row < stop:
-            block[row - start, column] = signal
-        return block
-
-    return rows
-
-
-def _between(background: float, signal: float, shares: RowShares) -> Rows:
-    """From the background at shares of 0 to the signal where all of them are 1."""
-
-    def rows(start: int, stop: int) -> coverage.FloatArray:
-        above: float | coverage.FloatArray = signal - background
-        for share in shares(start, stop):
+    def rows(start: int, stop: int) -> FloatArray:
+        edges = x_edges, y_edges[start : stop + 1]
+        if kind == "sine":
+            return _sine(*edges, background, signal, angle_deg, frequency / width)
+        if kind == "slanted_edge":
+            shares = [_slanted_edge(*edges, angle_deg)]
+        else:
+            shares = _siemens_star(*edges, STAR_RADIUS * min(width, height), int(frequency))
+        above: Any = signal - background
+        for share in shares:
             above = above * share
         return np.asarray(background + above)
 
-    return rows
+    return canvas.filled(rows)
 
 
-def _sample_edges(*, count: int, start: int, stop: int) -> coverage.FloatArray:
-    """Edges of samples `start` to `stop`, in samples from the frame's centre."""
-    return np.arange(start, stop + 1, dtype=np.float64) - 0.5 * count
-
-
-def _slanted_edge(width: int, height: int, angle_deg: float) -> RowShares:
+def _slanted_edge(x_edges: FloatArray, y_edges: FloatArray, angle_deg: float) -> FloatArray:
     """Share of the signal on one side of an edge through the centre.
 
     The edge's normal points `angle_deg` from +x (to the right) towards +y (down) into the
     signal, so that 0 is a vertical edge with the signal on the right.
     """
     turn = np.deg2rad(angle_deg)
-    x_edges = _sample_edges(count=width, start=0, stop=width)
-
     normal = {"normal_x": float(np.cos(turn)), "normal_y": float(np.sin(turn))}
-
-    def shares(start: int, stop: int) -> tuple[coverage.FloatArray]:
-        y_edges = _sample_edges(count=height, start=start, stop=stop)
-        return (coverage.half_plane_coverage(x_edges, y_edges, **normal, offset=0.0),)
-
-    return shares
+    return coverage.half_plane_coverage(x_edges, y_edges, **normal, offset=0.0)
 
 
 def _sine(
-    width: int, height: int, background: float, signal: float, angle_deg: float, frequency: float
-) -> Rows:
+    x_edges: FloatArray,
+    y_edges: FloatArray,
+    background: float,
+    signal: float,
+    angle_deg: float,
+    per_sample: float,
+) -> FloatArray:
     """A sinusoid of radiance between `background` and `signal`, a crest at the centre.
 
-    It varies along `angle_deg` from +x towards +y with `frequency` / width cycles per sample,
+    It varies along `angle_deg` from +x towards +y with so many cycles per sample,
     and every sample holds its mean over the sample: the swing falls by a sinc per axis.
     """
     turn = np.deg2rad(angle_deg)
-    along_x = frequency / width * float(np.cos(turn))
-    along_y = frequency / width * float(np.sin(turn))
+    along_x, along_y = per_sample * float(np.cos(turn)), per_sample * float(np.sin(turn))
     swing = 0.5 * (signal - background) * float(np.sinc(along_x) * np.sinc(along_y))
-
-    def middle(count: int, start: int, stop: int) -> coverage.FloatArray:
-        edges = _sample_edges(count=count, start=start, stop=stop)
-        return 0.5 * (edges[1:] + edges[:-1])
-
-    x_phase = 2.0 * np.pi * along_x * middle(width, 0, width)
-    x_cosine, x_sine = swing * np.cos(x_phase), swing * np.sin(x_phase)
-
-    def rows(start: int, stop: int) -> coverage.FloatArray:
-        phase = 2.0 * np.pi * along_y * middle(height, start, stop)[:, None]
-        mean = 0.5 * (signal + background)
-        picture: coverage.FloatArray = mean + np.cos(phase) * x_cosine - np.sin(phase) * x_sine
-        return picture
-
-    return rows
+    x, y = (0.5 * (edges[1:] + edges[:-1]) for edges in (x_edges, y_edges))
+    across, along = 2.0 * np.pi * along_x * x, 2.0 * np.pi * along_y * y[:, None]
+    picture = 0.5 * (signal + background) + np.cos(along) * (swing * np.cos(across))
+    return np.asarray(picture - np.sin(along) * (swing * np.sin(across)))
 
 
-def _siemens_star(width: int, height: int, frequency: float) -> RowShares:
-    """Share of a disc of `frequency` sectors, the first about the +x axis; at the rim a product."""
-    if frequency != round(frequency) or not 1 <= frequency <= MAX_SPOKES:
-        raise ParameterError("frequency", frequency, f"a whole number of spokes, 1 to {MAX_SPOKES}")
-    radius = STAR_RADIUS * min(width, height)
-    x_edges = _sample_edges(count=width, start=0, stop=width)
-
-    def shares(start: int, stop: int) -> tuple[coverage.FloatArray, coverage.FloatArray]:
-        y_edges = _sample_edges(count=height, start=start, stop=stop)
-        disc = coverage.ellipse_coverage(
-            x_edges, y_edges, centre_x=0.0, centre_y=0.0, radius_x=radius, radius_y=radius
-        )
-        return disc, coverage.star_coverage(x_edges, y_edges, spokes=int(frequency))
-
-    return shares
+def _siemens_star(
+    x_edges: FloatArray, y_edges: FloatArray, radius: float, spokes: int
+) -> list[FloatArray]:
+    """Share of a disc of `spokes` sectors, the first about the +x axis; at the rim a product."""
+    disc = coverage.ellipse_coverage(
+        x_edges, y_edges, centre_x=0.0, centre_y=0.0, radius_x=radius, radius_y=radius
+    )
+    return [disc, coverage.star_coverage(x_edges, y_edges, spokes=spokes)]
 
 
 def _four_bar(drawing: Drawing, width: int, height: int, frequency: float) -> None:

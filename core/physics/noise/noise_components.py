@@ -81,6 +81,15 @@ class NoiseVariances:
 
 
 COMPONENTS = tuple(field.name for field in fields(NoiseVariances))
+MEANINGS = {
+    "tvh": "random noise of each sample",
+    "vh": "fixed-pattern noise of each sample",
+    "v": "fixed row noise",
+    "h": "fixed column noise",
+    "t": "frame-to-frame noise",
+    "tv": "temporal row noise",
+    "th": "temporal column noise",
+}
 
 
 @dataclass(frozen=True)
