@@ -123,16 +123,10 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
         "contrast", "signal for the SNR: the contrast between 15 % and 7 % reflectance, or the mean"
     )
     rer_x: float | None = param(
-        None,
-        "horizontal RER, if you know it; empty: from the chain",
-        low=0,
-        slider=(0.1, 1.2),
+        None, "horizontal RER, if you know it; empty: from the chain", low=0, slider=(0.1, 1.2)
     )
     rer_y: float | None = param(
-        None,
-        "vertical RER, if you know it; empty: from the chain",
-        low=0,
-        slider=(0.1, 1.2),
+        None, "vertical RER, if you know it; empty: from the chain", low=0, slider=(0.1, 1.2)
     )
     overshoot: float | None = param(
         None, "overshoot H, if you know it; empty: from the chain", low=0, slider=(0.8, 2)

@@ -191,10 +191,7 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
         None, "distance between scan lines on the ground", low=0, slider=(0.1, 10)
     )
     altitude_m: float | None = param(
-        None,
-        "altitude above the ground; empty: from Init & Trans",
-        low=0,
-        slider=(10, 10000),
+        None, "altitude above the ground; empty: from Init & Trans", low=0, slider=(10, 10000)
     )
     method: Method = param(
         "nodes",

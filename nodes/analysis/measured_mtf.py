@@ -419,18 +419,10 @@ class MeasuredMTF(Module, key="measured_mtf", title="Measured MTF", group="Analy
     region_x: int = param(0, "first column of the region", low=0, unit="px", slider=_PIXELS)
     region_y: int = param(0, "first row of the region", low=0, unit="px", slider=_PIXELS)
     region_width: int | None = param(
-        None,
-        "columns in the region; empty: to the picture's end",
-        low=0,
-        unit="px",
-        slider=_PIXELS,
+        None, "columns in the region; empty: to the picture's end", low=0, unit="px", slider=_PIXELS
     )
     region_height: int | None = param(
-        None,
-        "rows in the region; empty: to the picture's end",
-        low=0,
-        unit="px",
-        slider=_PIXELS,
+        None, "rows in the region; empty: to the picture's end", low=0, unit="px", slider=_PIXELS
     )
     window: Window = param(
         "tukey", "window on the line spread function; tukey: flat over its middle half"

@@ -104,8 +104,7 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
         unit="m^(-2/3)",
     )
     turbidity: Literal["none", "low", "moderate", "high", "custom"] = param(
-        "none",
-        "aerosol level; custom: τ from scatter_depth or, if empty, from scattering_per_km",
+        "none", "aerosol level; custom: τ from scatter_depth or, if empty, from scattering_per_km"
     )
     scatter_depth: float | None = param(
         None, "optical depth τ, used when turbidity is custom; empty: from scattering_per_km", low=0
