@@ -11,9 +11,9 @@ from app.bench.tables import Table, judged
 from app.bench.timing import SIZE, Settings, repeated, sensor_network
 from app.fit.chain_transfer import free_parameters
 from app.fit.fit_result import FitResult
-from app.fit.picture_fit import FittedPictures, fit_pictures
-from app.measure.measuring import Source, measure_pictures
-from app.measure.picture_measurement import MeasuredFile, PictureMeasurement
+from app.fit.picture_fit import fit_pictures
+from app.measure.measuring import measure_pictures
+from app.measure.picture_measurement import PictureFile, PictureMeasurement
 from core.chain.engine import Engine
 from core.evaluation.work import Policy
 from nodes.library import standard_library
@@ -95,7 +95,7 @@ def _step(away: Array) -> Array:
 
 
 def _measured(picture: Array) -> PictureMeasurement:
-    return measure_pictures(Source((MeasuredFile("chart", 1, ""),), [picture], *picture.shape))
+    return measure_pictures([PictureFile.of("chart", [picture])])
 
 
 def _fitted(picture: Array, names: tuple[str, ...]) -> FitResult:
@@ -112,7 +112,7 @@ def _fitted(picture: Array, names: tuple[str, ...]) -> FitResult:
     network = sensor_network(("test_scene", scene), init, stages)
     engine = Engine(library)
     free = free_parameters(names, network, library)
-    pictures = FittedPictures(("chart",), (picture,))
+    pictures = [PictureFile.of("chart", [picture])]
     plan, work = engine.plan(network), engine.work(Policy())
     return fit_pictures(engine, plan, work, free=free, pictures=pictures)
 

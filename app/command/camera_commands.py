@@ -145,7 +145,7 @@ def fit(
     from app.command.network_run import input_files
     from app.fit.chain_transfer import free_parameters
     from app.fit.fit_page import fit_facts, fit_page, fit_text
-    from app.fit.picture_fit import fit_pictures, read_pictures
+    from app.fit.picture_fit import fit_pictures, opened_pictures
     from app.run.terminal import json_text
     from app.tradeoff.tradeoff_results import with_value
     from core.chain.engine import Engine
@@ -162,7 +162,7 @@ def fit(
         with Progress(3) as progress:
             return fit_pictures(
                 engine, plan, work, free=fitted_parameters,
-                pictures=read_pictures(pictures, band=band), report=progress,
+                pictures=opened_pictures(pictures, band=band), report=progress,
             )  # fmt: skip
 
     def content(result: FitResult, path: Path) -> str:

@@ -13,8 +13,14 @@ from app.fit.chain_transfer import FreeParameter
 from app.fit.edge_fit import Patch, patch_of
 from app.fit.fit_result import FitResult, NoiseComparison, result_of
 from app.measure.measurement_text import file_warnings, in_words
-from app.measure.measuring import measured_file, refuse_small
-from app.measure.picture_measurement import WITH_LOSS, PictureFile, common_limits, open_picture
+from app.measure.measuring import refuse_small
+from app.measure.picture_measurement import (
+    WITH_LOSS,
+    PictureFile,
+    common_limits,
+    open_picture,
+    picture_name,
+)
 from app.tradeoff.tradeoff_results import with_value
 from core.chain.engine import Engine, Plan
 from core.chain.wires import Image
@@ -24,7 +30,7 @@ from core.physics.measurement.edge_search import find_edges
 from core.physics.measurement.found_edge import missing_samples
 from core.physics.measurement.picture_noise import noise_of_picture
 from core.physics.measurement.sample_noise import LevelVariance
-from core.records import dataclass, replace
+from core.records import replace
 
 Matrix = NDArray[np.float64]
 
@@ -33,77 +39,43 @@ _SAME_SIZE = 0.02  # of a sample's size, within which two are the same
 _NOTHING = 1e-9  # of a variance: what rounding makes where there is none
 
 
-@dataclass(frozen=True)
-class TakenWith:
-    name: str
-    interval_x_mrad: float | None = None
-    interval_y_mrad: float | None = None
-    band_um: tuple[float, float] | None = None
-
-    def unlike(self, final: Image) -> list[str]:
-        """In what the chain's final picture is not of that camera, as warnings."""
-        lines = []
-        own, chain = self.band_um, final.band_um
-        if own and chain and (own[0] > chain[1] or chain[0] > own[1]):
+def _unlike(file: PictureFile, final: Image) -> list[str]:
+    """In what the chain's final picture is not of that picture's camera, as warnings."""
+    name = Path(file.name).name if file.samples is None else file.name
+    lines = []
+    own, chain = file.band_um, final.band_um
+    if own and chain and (own[0] > chain[1] or chain[0] > own[1]):
+        lines.append(
+            f"the picture {name} was taken in the band {own[0]:.4g} to {own[1]:.4g} µm, "
+            f"but the chain covers {chain[0]:.4g} to {chain[1]:.4g} µm: the fitted values do "
+            "not describe the picture's camera. Change the chain's band, or fit a picture "
+            "taken in the chain's band"
+        )
+    for way, mine, other in (
+        ("wide", file.interval_x_mrad, final.interval_x_mrad),
+        ("high", file.interval_y_mrad, final.interval_y_mrad),
+    ):
+        if mine and other and abs(mine / other - 1.0) > _SAME_SIZE:
             lines.append(
-                f"the picture {self.name} was taken in the band {own[0]:.4g} to {own[1]:.4g} µm, "
-                f"but the chain covers {chain[0]:.4g} to {chain[1]:.4g} µm: the fitted values do "
-                "not describe the picture's camera. Change the chain's band, or fit a picture "
-                "taken in the chain's band"
+                f"a sample of {name} is {mine:.4g} mrad {way}, but a sample of the "
+                f"chain's final picture is {other:.4g} mrad: the fitted values are wrong by "
+                f"a factor of about {mine / other:.3g}. Set the chain's geometry to match the "
+                "camera"
             )
-        for way, mine, other in (
-            ("wide", self.interval_x_mrad, final.interval_x_mrad),
-            ("high", self.interval_y_mrad, final.interval_y_mrad),
-        ):
-            if mine and other and abs(mine / other - 1.0) > _SAME_SIZE:
-                lines.append(
-                    f"a sample of {self.name} is {mine:.4g} mrad {way}, but a sample of the "
-                    f"chain's final picture is {other:.4g} mrad: the fitted values are wrong by "
-                    f"a factor of about {mine / other:.3g}. Set the chain's geometry to match the "
-                    "camera"
-                )
-        return lines
+    return lines
 
 
-@dataclass(frozen=True)
-class FittedPictures:
-    names: tuple[str, ...]  # for messages
-    samples: tuple[Matrix, ...]  # each of shape (rows, columns), finite
-    clip_levels: tuple[float, float] | None = None  # ends of the numbers of samples
-    warnings: tuple[str, ...] = ()  # what to know of the files, one line each
-    taken: tuple[TakenWith, ...] = ()  # what is known of their cameras
-
-    def warnings_beside(self, final: Image) -> list[str]:
-        return [*self.warnings, *(line for one in self.taken for line in one.unlike(final))]
-
-    @property
-    def text(self) -> str:
-        return ", ".join(self.names[:3]) + (" …" if len(self.names) > 3 else "")
-
-
-def read_pictures(paths: Sequence[Path], *, band: int | None = None) -> FittedPictures:
-    """All frames of the files, which may differ in size; of a file of bands one of them."""
-    names, samples = [], []
-    opened: list[PictureFile] = []
-    for path in paths:
-        file = open_picture(path, band=band)
+def opened_pictures(paths: Sequence[Path], *, band: int | None = None) -> list[PictureFile]:
+    """Files to fit to, whose frames may differ in size; of a file of bands one of them."""
+    opened = [open_picture(path, band=band) for path in paths]
+    for file in opened:
         if file.is_lossy:
             raise DataError(
-                f"{path}: {WITH_LOSS}, so it cannot be fitted. Give a picture that the camera "
+                f"{file.name}: {WITH_LOSS}, so it cannot be fitted. Give a picture that the camera "
                 "stored without lossy compression"
             )
-        refuse_small(str(path), file.rows, file.columns)
-        opened.append(file)
-        for number, picture in enumerate(file.pictures()):
-            names.append(str(path) if file.frames == 1 else f"{path}, frame {number}")
-            samples.append(picture)
-    warnings = file_warnings([measured_file(file) for file in opened])
-    limits = common_limits(opened)
-    taken = tuple(
-        TakenWith(one.path.name, one.interval_x_mrad, one.interval_y_mrad, one.band_um)
-        for one in opened
-    )
-    return FittedPictures(tuple(names), tuple(samples), limits, tuple(warnings), taken)
+        refuse_small(file.name, file.rows, file.columns)
+    return opened
 
 
 def fit_pictures(
@@ -112,22 +84,25 @@ def fit_pictures(
     work: Work,
     *,
     free: Sequence[FreeParameter],
-    pictures: FittedPictures,
+    pictures: Sequence[PictureFile],
     report: Callable[[str], None] = lambda _text: None,
     watch: Watch | None = None,
 ) -> FitResult:
+    samples = [picture for file in pictures for picture in file.pictures()]
+    clip_levels = common_limits(pictures)
     final = chain_transfer.final_image(plan)
     passed = chain_transfer.transfer_known(final)
     report("edges")
-    how: Any = {"clip_levels": pictures.clip_levels, "check": work.check}
-    patches, refused = edges_in(pictures=pictures.samples, **how)
+    patches, refused = edges_in(pictures=samples, clip_levels=clip_levels, check=work.check)
     if not patches:
+        count = len(samples)
+        names = ", ".join(picture_name(pictures, number) for number in range(min(count, 3)))
         raise DataError(
-            f"{pictures.text}: no edge can be used. {_reasons(refused, 0)}. For advice, run "
-            "imagechain handbook edge_pictures"
+            f"{names}{' …' * (count > 3)}: no edge can be used. {_reasons(refused, 0)}. For "
+            "advice, run imagechain handbook edge_pictures"
         )
     report("noise")
-    noise, why_none = _noise(engine, plan, work, pictures)
+    noise, why_none = _noise(engine, plan, work, samples)
     report("parameters")
     chain = chain_transfer.ChainAt(engine, plan, [parameter.target for parameter in free])
     problem = EdgeProblem(chain, work, free, patches, noise)
@@ -137,7 +112,8 @@ def fit_pictures(
     comparison: NoiseComparison | str = why_none
     if noise is not None:
         comparison = _compared(noise, chain.plan([float(v) for v in fit.values]), problem)
-    warnings = (*pictures.warnings_beside(final), *result.warnings)
+    unlike = (line for file in pictures for line in _unlike(file, final))
+    warnings = (*file_warnings(pictures), *unlike, *result.warnings)
     warnings += tuple(_of_chain(engine, plan, free, result))
     notes = _notes(len(patches), refused, final, passed_area=chain_transfer.has_area(passed))
     told: Any = {"warnings": warnings, "notes": (*result.notes, *notes)}
@@ -156,13 +132,13 @@ def _of_chain(
 
 
 def _noise(
-    engine: Engine, plan: Plan, work: Work, pictures: FittedPictures
+    engine: Engine, plan: Plan, work: Work, pictures: Sequence[Matrix]
 ) -> tuple[chain_transfer.NoiseProblem | None, str]:
     try:
         levels = chain_transfer.NoiseLevels(engine, plan, work)
         measured: list[LevelVariance] = []
         reason = ""
-        for picture in pictures.samples:
+        for picture in pictures:
             missing = missing_samples(picture=picture)
             seen = noise_of_picture(picture=picture, avoid=missing, check=work.check)
             measured += seen.levels

@@ -346,12 +346,11 @@ def _measured(samples: NDArray[Any], kind: str, caption: str) -> str:
     """A measurement's drawing of a picture: its edges, or their MTF."""
     # Imported only where a page has one: all that measures.
     from app.measure.measurement_page import edges_png, mtf_png
-    from app.measure.measuring import Source, measure_pictures
-    from app.measure.picture_measurement import MeasuredFile
+    from app.measure.measuring import measure_pictures
+    from app.measure.picture_measurement import PictureFile
 
     picture = np.asarray(samples, np.float64)
-    source = Source((MeasuredFile("picture", 1, ""),), [picture], *picture.shape)
-    measured = measure_pictures(source)
+    measured = measure_pictures([PictureFile.of("picture", [picture])])
     if kind == "edges":
         return figures.png_figure(edges_png(measured, measured.previews[0]), caption, kind)
     return figures.png_figure(mtf_png(measured), caption, kind)

@@ -118,7 +118,7 @@ def frame_rows(measured: results.PictureMeasurement) -> list[Row]:
     return rows
 
 
-def file_warnings(files: Sequence[results.MeasuredFile]) -> list[str]:
+def file_warnings(files: Sequence[results.PictureFile]) -> list[str]:
     """What of the files' formats makes their numbers other than the camera's."""
     from app.measure.picture_measurement import WITH_LOSS
 

@@ -22,7 +22,7 @@ from core.physics.measurement.picture_noise import (
     noise_of_picture,
 )
 from core.physics.sampling.detector_sampling import interval_mrad
-from core.records import dataclass, replace
+from core.records import replace
 from nodes.files.frames import open_frames
 
 Matrix = NDArray[np.float64]
@@ -35,19 +35,6 @@ _PREVIEW_SAMPLES = 1400  # of a side
 _LARGEST = 1e60
 _WIDEST_UM = 10_000.0  # of a pixel
 _OVERSHOOT = 0.05  # of the MTF above one, that one edge alone does not prove
-
-
-@dataclass(frozen=True)
-class Source:
-    files: tuple[results.MeasuredFile, ...]
-    pictures: Iterable[Matrix]
-    rows: int
-    columns: int
-    unit: str = ""
-    interval_x_mrad: float | None = None
-    interval_y_mrad: float | None = None
-    clip_levels: tuple[float, float] | None = None
-    offset_dn: float | None = None
 
 
 def measure_files(
@@ -64,53 +51,49 @@ def measure_files(
     """Measure pictures, or files of frames, of one camera; `dark` frames replace `offset_dn`."""
     files = [results.open_picture(path, band=band) for path in pictures]
     results.same_size(files)
-    first = files[0]
-    x, y = first.interval_x_mrad, first.interval_y_mrad
-    if fov_x_deg is not None:
-        x = interval_mrad(fov_deg=fov_x_deg, samples=first.columns, name="--fov-x-deg")
-        y = x if y is None else y
-    pitch = checked_pitch(pitch_um, "--pitch-um")
     if dark is not None:
-        offset_dn = _dark_level(dark, first, check)
-    source = Source(
-        tuple(measured_file(file) for file in files),
-        (picture for file in files for picture in file.pictures()),
-        first.rows, first.columns, first.unit, x, y, results.common_limits(files), offset_dn,
-    )  # fmt: skip
-    measured = measure_pictures(source, check=check, report=report)
-    return replace(measured, pitch_um=pitch)
-
-
-def checked_pitch(pitch_um: float | None, name: str) -> float | None:
-    if pitch_um is not None and not 0.0 < pitch_um <= _WIDEST_UM:
-        raise ParameterError(name, pitch_um, f"above 0 and at most {_WIDEST_UM:g}", unit="µm")
-    return pitch_um
+        offset_dn = _dark_level(dark, files[0], check)
+    given: Any = {"names": ("--fov-x-deg", "--pitch-um"), "check": check, "report": report}
+    return measure_pictures(files, fov_x_deg, offset_dn, pitch_um, **given)
 
 
 def measure_pictures(
-    source: Source, *, check: Callable[[], None] = lambda: None, report: Report = lambda _text: None
+    files: Sequence[results.PictureFile],
+    fov_x_deg: float | None = None,
+    offset_dn: float | None = None,
+    pitch_um: float | None = None,
+    *,
+    names: tuple[str, str] = ("fov_x_deg", "pitch_um"),
+    check: Callable[[], None] = lambda: None,
+    report: Report = lambda _text: None,
 ) -> results.PictureMeasurement:
-    refuse_small(source.files[0].name, source.rows, source.columns)
-    offset = source.offset_dn or 0.0
-    count = sum(file.frames for file in source.files)
-    lossy = any(file.is_lossy for file in source.files)
-    taken = SceneFrames(source.rows, source.columns) if count > 1 else None
+    """Measure pictures of one size; `names` are those of field of view and pitch in messages."""
+    first = files[0]
+    intervals = _intervals(first, fov_x_deg, names[0])
+    if pitch_um is not None and not 0.0 < pitch_um <= _WIDEST_UM:
+        raise ParameterError(names[1], pitch_um, f"above 0 and at most {_WIDEST_UM:g}", unit="µm")
+    refuse_small(first.name, first.rows, first.columns)
+    offset = offset_dn or 0.0
+    clip_levels = results.common_limits(files)
+    lossy = any(file.is_lossy for file in files)
+    many = sum(file.frames for file in files) > 1
+    taken = SceneFrames(first.rows, first.columns) if many else None
     edges: list[results.MeasuredEdge] = []
     previews: list[results.Preview] = []
     noises: list[PictureNoise] = []
     no_noise: list[str] = []
     warnings: list[str] = []
-    for number, picture in enumerate(source.pictures):
-        file, frame = results.file_of(source.files, number)
+    for number, picture in enumerate(picture for file in files for picture in file.pictures()):
+        file, frame = results.file_of(files, number)
         name = Path(file.name).name + ("" if file.frames == 1 else f", frame {frame}")
         report(name)
         check()
-        _refuse_unfit(picture, name, source.offset_dn)
+        _refuse_unfit(picture, name, offset_dn)
         if number < MOST_PREVIEWS:
             previews.append(_preview(picture, number))
         if taken is not None:
             taken.add(picture)
-        own = edges_of(picture=picture, number=number, clip_levels=source.clip_levels, check=check)
+        own = edges_of(picture=picture, number=number, clip_levels=clip_levels, check=check)
         if file.is_lossy:
             edges += [replace(edge, why_not=edge.why_not or results.WITH_LOSS) for edge in own]
             continue
@@ -134,11 +117,22 @@ def measure_pictures(
         noise, noise_reason = with_frames(noise, noise_reason, frames, offset)
     x, reason_x = pooled(edges, "x")
     y, reason_y = pooled(edges, "y")
+    described = tuple(replace(file, samples=None) for file in files)  # which holds no arrays
     return results.PictureMeasurement(
-        source.files, source.rows, source.columns, source.unit, source.interval_x_mrad,
-        source.interval_y_mrad, tuple(edges), x, y, reason_x, reason_y, noise, noise_reason,
-        frames, frames_reason, previews=tuple(previews), warnings=tuple(warnings),
+        described, first.rows, first.columns, first.unit, *intervals, tuple(edges),
+        x, y, reason_x, reason_y, noise, noise_reason, frames, frames_reason, tuple(previews),
+        pitch_um, tuple(warnings),
     )  # fmt: skip
+
+
+def _intervals(
+    first: results.PictureFile, fov_x_deg: float | None, name: str
+) -> tuple[float | None, float | None]:
+    x, y = first.interval_x_mrad, first.interval_y_mrad
+    if fov_x_deg is not None:
+        x = interval_mrad(fov_deg=fov_x_deg, samples=first.columns, name=name)
+        y = x if y is None else y
+    return x, y
 
 
 def refuse_small(name: str, rows: int, columns: int) -> None:
@@ -194,10 +188,6 @@ def without_edge(
     return replace(measured, edges=tuple(edges), x=x, y=y, reason_x=reason_x, reason_y=reason_y)
 
 
-def measured_file(file: results.PictureFile) -> results.MeasuredFile:
-    return results.MeasuredFile(str(file.path), file.frames, file.taken, file.gamma, file.is_lossy)
-
-
 def _frames(taken: SceneFrames | None, offset_dn: float) -> tuple[FramesNoise | None, str]:
     """Noise from frame to frame, if the scene stood still."""
     if taken is None:
@@ -212,7 +202,7 @@ def _dark_level(path: Path, first: results.PictureFile, check: Callable[[], None
     dark = open_frames(path)
     if (dark.rows, dark.columns) != (first.rows, first.columns):
         raise DataError(
-            f"{path} has {dark.columns} × {dark.rows} samples, but {first.path} has "
+            f"{path} has {dark.columns} × {dark.rows} samples, but {first.name} has "
             f"{first.columns} × {first.rows}. Give frames from one camera"
         )
     means = []

@@ -1,6 +1,6 @@
 """Pictures to measure, read from files frame by frame, and what a measurement has given."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, Literal
 
@@ -93,24 +93,9 @@ class NoiseFigures:
     reason: str  # why what is missing could not be measured
 
 
-@dataclass(frozen=True)
-class MeasuredFile:
-    """A file that was measured: its name, how many pictures, and what of it was taken.
-
-    `gamma`: whether its numbers follow the eye instead of the light, usually or possibly;
-    `is_lossy`: compressed so that it is not what was taken, and nothing of it counts.
-    """
-
-    name: str
-    frames: int
-    taken: str
-    gamma: Gamma = ""
-    is_lossy: bool = False
-
-
 @dataclass(frozen=True, eq=False)
 class PictureMeasurement:
-    files: tuple[MeasuredFile, ...]  # where the pictures come from, in order
+    files: tuple["PictureFile", ...]  # where the pictures come from, in order
     rows: int  # size of each
     columns: int
     unit: str  # of the samples, or empty
@@ -137,12 +122,16 @@ class PictureMeasurement:
         return self.interval_x_mrad if direction == "x" else self.interval_y_mrad
 
     def picture_name(self, number: int) -> str:
-        """The name of a picture, with the frame's number in a file of several."""
-        file, frame = file_of(self.files, number)
-        return file.name if file.frames == 1 else f"{file.name}, frame {frame}"
+        return picture_name(self.files, number)
 
 
-def file_of(files: Sequence[MeasuredFile], number: int) -> tuple[MeasuredFile, int]:
+def picture_name(files: "Sequence[PictureFile]", number: int) -> str:
+    """The name of a picture, with the frame's number in a file of several."""
+    file, frame = file_of(files, number)
+    return file.name if file.frames == 1 else f"{file.name}, frame {frame}"
+
+
+def file_of(files: "Sequence[PictureFile]", number: int) -> "tuple[PictureFile, int]":
     for file in files:
         if number < file.frames:
             return file, number
@@ -162,41 +151,50 @@ _ENCODED = ("jpeg", "jpeg2000", "png", "bmp", "webp", "gif")
 _PERHAPS_ENCODED = ("tiff",)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class PictureFile:
-    path: Path  # as it was given
+    name: str  # its path as it was given, or what an array is called
     rows: int  # size of a frame, and how many there are
     columns: int
-    frames: int
-    band: int | None  # that is measured; None: luminance, or the only one
-    taken: str  # what of a file of several bands is measured, in words; empty where there is one
-    unit: str  # of the samples as the file words it, or empty
-    interval_x_mrad: float | None  # between samples, by the header's field of view
-    interval_y_mrad: float | None
-    limits: tuple[float, float] | None  # ends of whole numbers
+    frames: int = 1
+    band: int | None = None  # that is measured; None: luminance, or the only one
+    taken: str = (
+        ""  # what of a file of several bands is measured, in words; empty where there is one
+    )
+    unit: str = ""  # of the samples as the file words it, or empty
+    interval_x_mrad: float | None = None  # between samples, by the header's field of view
+    interval_y_mrad: float | None = None
+    limits: tuple[float, float] | None = None  # ends of whole numbers
     gamma: Gamma = ""  # whether its numbers follow the eye instead of the light
     is_lossy: bool = False  # whether the format leaves out what the eye would not miss
     is_stack: bool = False  # whether it holds frames, were it a single one
     band_um: tuple[float, float] | None = None  # of the measured band
+    samples: Iterable[Any] | None = None  # the frames of an array; None: they are in the file
+
+    @classmethod
+    def of(cls, name: str, frames: Sequence[NDArray[Any]], **about: Any) -> "PictureFile":
+        """Frames of one size that are in memory."""
+        rows, columns = frames[0].shape
+        return cls(name, rows, columns, len(frames), samples=frames, **about)
 
     def pictures(self) -> Iterator[Matrix]:
         """The frames in turn, in double precision."""
-        if self.frames > 1 or self.is_stack:
-            for frame in open_frames(self.path).each():
+        if self.samples is not None or self.frames > 1 or self.is_stack:
+            for frame in self.samples or open_frames(Path(self.name)).each():
                 yield np.asarray(frame, np.float64)
             return
         if self.band is None and self.taken:
             yield self._luminance()
             return
-        samples = read_pixels(self.path, self.band or 0)
-        check_finite(samples, str(self.path), advice=NO_DATA)
+        samples = read_pixels(Path(self.name), self.band or 0)
+        check_finite(samples, self.name, advice=NO_DATA)
         yield np.asarray(samples, np.float64)
 
     def _luminance(self) -> Matrix:
         picture = np.zeros((self.rows, self.columns))
         for band, share in enumerate(LUMINANCE):
-            samples = read_pixels(self.path, band)
-            check_finite(samples, f"{self.path}, band {band}", advice=NO_DATA)
+            samples = read_pixels(Path(self.name), band)
+            check_finite(samples, f"{self.name}, band {band}", advice=NO_DATA)
             picture += share * samples
         return picture
 
@@ -232,8 +230,8 @@ def open_picture(path: Path, *, band: int | None = None) -> PictureFile:
     x, y = _intervals(info)
     dtype = np.dtype(info.dtype)
     return PictureFile(
-        path, info.rows, info.columns, 1, chosen, taken, info.unit or "", x, y, limits_of(dtype),
-        gamma=_gamma(info), is_lossy=info.lossy, band_um=_band_um(info, chosen),
+        str(path), info.rows, info.columns, 1, chosen, taken, info.unit or "", x, y,
+        limits_of(dtype), gamma=_gamma(info), is_lossy=info.lossy, band_um=_band_um(info, chosen),
     )  # fmt: skip
 
 
@@ -255,7 +253,7 @@ def _gamma(info: PictureInfo) -> Gamma:
 def _of_frames(path: Path, frames: FrameFile, info: PictureInfo | None) -> PictureFile:
     x, y = (None, None) if info is None else _intervals(info)
     return PictureFile(
-        path, frames.rows, frames.columns, frames.frames, 0, "", frames.unit or "", x, y,
+        str(path), frames.rows, frames.columns, frames.frames, 0, "", frames.unit or "", x, y,
         limits_of(frames.dtype),
         gamma="" if info is None else _gamma(info), is_lossy=info is not None and info.lossy,
         is_stack=frames.kind == "npy" and len(npy_header(frames.path).shape) > _FLAT,
@@ -305,19 +303,19 @@ def same_size(files: Sequence[PictureFile]) -> None:
     for file in files:
         if (file.rows, file.columns) != (first.rows, first.columns):
             raise DataError(
-                f"{file.path} has {file.columns} × {file.rows} samples, but {first.path} has "
+                f"{file.name} has {file.columns} × {file.rows} samples, but {first.name} has "
                 f"{first.columns} × {first.rows}. Give pictures from one camera"
             )
 
 
 def common_limits(files: Sequence[PictureFile]) -> tuple[float, float] | None:
     """Ends of the numbers of all files; None where not all are whole numbers."""
-    known = [(file.path, file.limits) for file in files if file.limits is not None]
-    for path, (low, high) in known:
+    known = [(file.name, file.limits) for file in files if file.limits is not None]
+    for name, (low, high) in known:
         first, ends = known[0]
         if (low, high) != ends:
             raise DataError(
-                f"{path} stores whole numbers from {low:g} to {high:g}, but {first} from "
+                f"{name} stores whole numbers from {low:g} to {high:g}, but {first} from "
                 f"{ends[0]:g} to {ends[1]:g}. Give pictures from one camera, stored the same way"
             )
     return known[0][1] if len(known) == len(files) else None

@@ -12,17 +12,15 @@ from numpy.typing import NDArray
 from app.fit.chain_transfer import free_parameters
 from app.fit.fit_page import fit_facts, fit_text
 from app.fit.fit_result import FitResult
-from app.fit.picture_fit import FittedPictures, fit_pictures, read_pictures
+from app.fit.picture_fit import fit_pictures, opened_pictures
 from app.measure import measuring
 from app.measure.measurement_page import measurement_json, write_measurement
 from app.measure.measurement_text import figure_rows, refused_lines, remarks
-from app.measure.picture_measurement import NO_DATA, MeasuredFile, PictureMeasurement, limits_of
+from app.measure.picture_measurement import NO_DATA, PictureFile, PictureMeasurement, limits_of
 from app.run.terminal import columns, json_text
 from core.atomic import write_text
 from core.errors import DataError, ParameterError, UsageError
 from core.evaluation.work import Policy, Precision
-from core.physics.sampling.detector_sampling import interval_mrad
-from core.records import replace
 from imagechain.building.chain import Chain
 from imagechain.building.chain import open as open_chain
 from imagechain.parts.plain_errors import plain_errors
@@ -112,24 +110,13 @@ def measure(
         return MeasuredPictures(measuring.measure_files(paths, *words))
     if dark is not None or band is not None:
         raise UsageError("band and dark apply to files only, not to arrays")
-    taken = frames_of_arrays(pictures)
-    frames = [frame for each in taken for frame in each]
-    files = [MeasuredFile(f"array {n}", len(each), "") for n, each in enumerate(taken, 1)]
-    shapes = {frame.shape for frame in frames}
+    files = of_arrays(pictures)
+    shapes = {(file.rows, file.columns) for file in files}
     if len(shapes) > 1:
         raise DataError(
             f"all pictures must have the same size, but their sizes are {sorted(shapes)}"
         )
-    rows, columns = frames[0].shape
-    interval = None
-    if fov_x_deg is not None:
-        interval = interval_mrad(fov_deg=fov_x_deg, samples=columns, name="fov_x_deg")
-    limits = limits_of_arrays(pictures)
-    how = "", interval, interval, limits, offset_dn
-    source = measuring.Source(tuple(files), frames, rows, columns, *how)
-    measured = measuring.measure_pictures(source)
-    pitch_um = measuring.checked_pitch(pitch_um, "pitch_um")
-    return MeasuredPictures(replace(measured, pitch_um=pitch_um))
+    return MeasuredPictures(measuring.measure_pictures(files, fov_x_deg, offset_dn, pitch_um))
 
 
 # Pictures of a camera that are given as arrays.
@@ -137,9 +124,11 @@ def measure(
 _FRAMES = 3  # dimensions
 
 
-def frames_of_arrays(pictures: Sequence[Any]) -> list[list[NDArray[np.float64]]]:
-    """The frames of each array, (rows, columns) or (frames, rows, columns), in double precision."""
-    frames = []
+def of_arrays(pictures: Sequence[Any]) -> list[PictureFile]:
+    """Arrays, (rows, columns) or (frames, rows, columns); ends of numbers where all have them."""
+    ends = {limits_of(np.asarray(picture).dtype) for picture in pictures}
+    limits = ends.pop() if len(ends) == 1 else None
+    files = []
     for number, array in enumerate(map(np.asarray, pictures), 1):
         if array.dtype.kind not in "buif" or array.ndim not in (2, _FRAMES) or 0 in array.shape:
             raise DataError(
@@ -149,14 +138,8 @@ def frames_of_arrays(pictures: Sequence[Any]) -> list[list[NDArray[np.float64]]]
         if not np.isfinite(array).all():
             raise DataError(f"picture {number} has samples that are not finite; {NO_DATA}")
         own = [*array] if array.ndim == _FRAMES else [array]
-        frames.append([np.asarray(frame, np.float64) for frame in own])
-    return frames
-
-
-def limits_of_arrays(pictures: Sequence[Any]) -> tuple[float, float] | None:
-    """Smallest and largest number of the integer type, if all arrays have the same type."""
-    ends = {limits_of(np.asarray(picture).dtype) for picture in pictures}
-    return ends.pop() if len(ends) == 1 else None
+        files.append(PictureFile.of(f"array {number}", own, limits=limits))
+    return files
 
 
 # The result of `imagechain.fit`: values with their errors, and the chain with these values.
@@ -253,7 +236,7 @@ def fit(
     own = chain if isinstance(chain, Chain) else open_chain(chain)
     engine, plan = own.planned()
     parameters = free_parameters(_texts(free), plan.network, engine.library, option="free")
-    names, pictures = _pictures(to, band)
+    pictures = _pictures(to, band)
     result = fit_pictures(
         engine, plan, engine.work(Policy(precision, tolerance, threads)), free=parameters,
         pictures=pictures,
@@ -263,7 +246,7 @@ def fit(
         for parameter, one in zip(parameters, result.parameters, strict=True)
         if one.used is not None
     }
-    return FittedChain(result, own.with_(values), names)
+    return FittedChain(result, own.with_(values), tuple(file.name for file in pictures))
 
 
 def _texts(free: Any) -> list[str]:
@@ -287,7 +270,7 @@ def _texts(free: Any) -> list[str]:
     return texts
 
 
-def _pictures(to: Any, band: int | None) -> tuple[tuple[str, ...], FittedPictures]:
+def _pictures(to: Any, band: int | None) -> list[PictureFile]:
     one = isinstance(to, str | PathLike | np.ndarray)
     if not one and not isinstance(to, Sequence):
         raise UsageError(
@@ -298,15 +281,9 @@ def _pictures(to: Any, band: int | None) -> tuple[tuple[str, ...], FittedPicture
     if not given:
         raise UsageError("to: the list is empty; give a picture (a file or an array)")
     if all(isinstance(one, str | PathLike) for one in given):
-        paths = [Path(fspath(one)) for one in given]
-        return tuple(map(str, paths)), read_pictures(paths, band=band)
+        return opened_pictures([Path(fspath(one)) for one in given], band=band)
     if any(isinstance(one, str | PathLike) for one in given):
         raise UsageError("to: files and arrays cannot be mixed; give only files or only arrays")
     if band is not None:
         raise UsageError("band applies to files only: arrays have no bands")
-    names = tuple(f"array {number}" for number in range(1, len(given) + 1))
-    arrays = zip(names, frames_of_arrays(given), strict=True)
-    frames = [(name, frame) for name, own in arrays for frame in own]
-    limits = limits_of_arrays(given)
-    taken = FittedPictures(tuple(n for n, _ in frames), tuple(f for _, f in frames), limits)
-    return names, taken
+    return of_arrays(given)

@@ -9,7 +9,6 @@ from collections.abc import Callable
 from math import floor, log10
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 from PySide6 import QtWidgets
 from PySide6.QtCore import QSignalBlocker, Qt, Signal
 from PySide6.QtGui import QKeyEvent
@@ -35,7 +34,7 @@ if TYPE_CHECKING:
     from app.fit.chain_transfer import FreeParameter
     from app.fit.edge_fit import EdgesAt, Patch
     from app.fit.fit_result import FitResult, FittedParameter
-    from app.fit.picture_fit import FittedPictures
+    from app.measure.picture_measurement import PictureFile
 
 _NO_PICTURE = "no picture"
 _NOTHING_FREE = "no parameter is free: right-click a number on a panel and choose Free for a fit"
@@ -108,7 +107,7 @@ class FitView(measure_view.WorkerView):
             engine = Engine(session.library, Store(_HELD_BYTES))
             given: dict[str, Any] = {"free": limited(free, network, session), "report": report}
             report("picture")
-            given["pictures"] = read(pictures)
+            given["pictures"] = opened(pictures)
             plan, work = engine.plan(network, folder=folder), engine.work(Policy(), cancel=stop)
             next_time = 0.0
 
@@ -298,22 +297,18 @@ def limited(
     )
 
 
-def read(pictures: measure_view.Pictures) -> FittedPictures:
-    from app.fit.picture_fit import FittedPictures, TakenWith, read_pictures
+def opened(pictures: measure_view.Pictures) -> list[PictureFile]:
+    from app.fit.picture_fit import opened_pictures
     from app.measure.picture_measurement import BandsError
 
-    if not isinstance(pictures, measure_view.ViewerPicture):
-        try:
-            return read_pictures(pictures)
-        except BandsError as error:
-            raise UsageError(
-                f"{error.what}: show one band in a viewer and fit to that picture"
-            ) from error
-    taken = TakenWith(
-        pictures.name, pictures.interval_x_mrad, pictures.interval_y_mrad, pictures.band_um
-    )
-    samples = (np.asarray(pictures.samples, np.float64),)
-    return FittedPictures((pictures.name,), samples, taken=(taken,))
+    if not isinstance(pictures, tuple):
+        return [pictures]
+    try:
+        return opened_pictures(pictures)
+    except BandsError as error:
+        raise UsageError(
+            f"{error.what}: show one band in a viewer and fit to that picture"
+        ) from error
 
 
 def _said(result: FitResult) -> list[tuple[Severity, str]]:

@@ -24,27 +24,20 @@ from app.editor.viewers.viewer import StatusLine
 from core.chain.wires import Image
 from core.errors import Cancelled, UsageError
 from core.network.network import Network
-from core.records import dataclass
 from nodes.files.file_format import CSV, HTML, JSON, dialog_filter
 
 if TYPE_CHECKING:
-    from app.measure.picture_measurement import MeasuredEdge, PictureMeasurement
+    from app.measure.picture_measurement import MeasuredEdge, PictureFile, PictureMeasurement
+
+    Pictures = tuple[Path, ...] | PictureFile
 
 # Pictures that viewers show, ready to be measured.
 
 
-@dataclass(frozen=True, eq=False)
-class ViewerPicture:
-    name: str
-    samples: Any
-    unit: str
-    interval_x_mrad: float | None
-    interval_y_mrad: float | None
-    taken: str
-    band_um: tuple[float, float] | None = None
+def picture_of(number: int, viewer: ImageViewer) -> PictureFile:
+    # Imported where it is used: the window opens without it.
+    from app.measure.picture_measurement import PictureFile
 
-
-def picture_of(number: int, viewer: ImageViewer) -> ViewerPicture:
     picture, port = viewer.picture, viewer.choices.port
     if picture is None or port is None:
         raise UsageError(f"viewer {number} shows no picture")
@@ -59,9 +52,10 @@ def picture_of(number: int, viewer: ImageViewer) -> ViewerPicture:
         )
     wavelengths = picture.facts.wavelengths_um
     taken = f"the band at {wavelengths[0]:.4g} µm" if wavelengths else ""
-    return ViewerPicture(
-        f"viewer {number}: {port}", np.asarray(picture.samples), picture.facts.unit,
-        value.interval_x_mrad, value.interval_y_mrad, taken, picture.facts.band_um,
+    return PictureFile.of(
+        f"viewer {number}: {port}", [np.asarray(picture.samples)], unit=picture.facts.unit,
+        interval_x_mrad=value.interval_x_mrad, interval_y_mrad=value.interval_y_mrad, taken=taken,
+        band_um=picture.facts.band_um,
     )  # fmt: skip
 
 
@@ -206,18 +200,16 @@ def _dropped(data: QMimeData) -> tuple[Path, ...]:
 
 # The pictures that are measured, or fitted to: files, or what a viewer shows.
 
-Pictures = tuple[Path, ...] | ViewerPicture
-
 
 def pictures_name(pictures: Pictures) -> str:
-    if isinstance(pictures, ViewerPicture):
+    if not isinstance(pictures, tuple):
         return pictures.name
     more = len(pictures) - 1
     return pictures[0].name + (f" and {more} more" if more else "")
 
 
 def pictures_text(pictures: Pictures) -> str:
-    if isinstance(pictures, ViewerPicture):
+    if not isinstance(pictures, tuple):
         return pictures.name
     return "\n".join(map(str, pictures))
 
@@ -287,17 +279,9 @@ class MeasureView(WorkerView):
         self._files = ()
 
         def job(stop: threading.Event, report: Report) -> PictureMeasurement:
-            # Imported where it is used: the window opens without it.
-            from app.measure.measuring import Source, measure_pictures
-            from app.measure.picture_measurement import MeasuredFile
+            from app.measure.measuring import measure_pictures
 
-            file = MeasuredFile(picture.name, 1, picture.taken)
-            rows, columns = picture.samples.shape
-            source = Source(
-                (file,), [picture.samples.astype("float64")], rows, columns,
-                picture.unit, picture.interval_x_mrad, picture.interval_y_mrad,
-            )  # fmt: skip
-            return measure_pictures(source, check=partial(check_stop, stop), report=report)
+            return measure_pictures([picture], check=partial(check_stop, stop), report=report)
 
         network = self._session.document.network
         self._begin(_Measuring(picture.name, picture, network), job)

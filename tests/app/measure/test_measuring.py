@@ -10,8 +10,8 @@ from scipy import ndimage
 from app.handbook.example_figures import PAGES
 from app.measure.measurement_page import measurement_json, measurement_page
 from app.measure.measurement_text import figure_rows, refused_lines, remarks, with_error
-from app.measure.measuring import Source, measure_pictures
-from app.measure.picture_measurement import MeasuredFile
+from app.measure.measuring import measure_pictures
+from app.measure.picture_measurement import PictureFile
 from camera_scenes import box, turned
 from core.physics.measurement.edge_search import find_edges
 from edge_truth import blur_network, gaussian_edge
@@ -34,7 +34,7 @@ def taken():
 
 
 def measured(picture):
-    return measure_pictures(Source((MeasuredFile("one", 1, ""),), [picture], *picture.shape))
+    return measure_pictures([PictureFile.of("one", [picture])])
 
 
 def test_a_picture_as_it_is_has_nothing_against_it(taken):
@@ -198,8 +198,7 @@ def test_the_clearest_edge_is_refused(picture, words):
 
 def test_what_helps_is_named_where_no_edge_is_used():
     def lines(picture):
-        file = MeasuredFile("p.npy", 1, "")
-        return refused_lines(measure_pictures(Source((file,), [picture], *picture.shape)))
+        return refused_lines(measured(picture))
 
     advice = "for advice, run imagechain handbook edge_pictures"
     told = ["1 edge not used: not slanted enough", advice]
