@@ -228,17 +228,17 @@ def photon_transfer(
     Example: imagechain photon-transfer flat1.tif flat2.tif flat3.tif --dark dark.tif --output
     camera.json
     """
-    from app.measure.uniform_fields import TransferMeasurement, measured_transfer
+    from app.measure.uniform_fields import UniformFields, measured_transfer
 
     inputs = [*flats, *filter(None, [dark])]
 
-    def made() -> TransferMeasurement:
+    def made() -> UniformFields:
         with Progress(len(inputs)) as progress:
             check = partial(check_stop, stop)
             return measured_transfer(flats, dark, offset_dn, check=check, report=progress)
 
-    measured = written(outputs, inputs, stop, made, TransferMeasurement.content)
-    show(json, measured.facts, *measured.lines())
+    measured = written(outputs, inputs, stop, made, UniformFields.content)
+    show(json, lambda: measured.facts, *measured.lines())
 
 
 @options.command()
@@ -268,12 +268,12 @@ def netd(
 
     Example: imagechain netd cold.tif=20C middle.tif=25C hot.tif=30C --output netd.json
     """
-    from app.measure.uniform_fields import NetdMeasurement, measured_netd
+    from app.measure.uniform_fields import UniformFields, measured_netd
 
-    def made() -> NetdMeasurement:
+    def made() -> UniformFields:
         with Progress(2 * len(fields)) as progress:
             return measured_netd(fields, check=partial(check_stop, stop), report=progress)
 
     paths = [path for path, _ in fields]
-    measured = written(outputs, paths, stop, made, NetdMeasurement.content)
-    show(json, measured.facts, *measured.lines())
+    measured = written(outputs, paths, stop, made, UniformFields.content)
+    show(json, lambda: measured.facts, *measured.lines())

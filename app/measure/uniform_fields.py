@@ -1,7 +1,7 @@
 """Gain, noise, full well and NETD of a camera from frames of uniform fields."""
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -24,13 +24,46 @@ from nodes.files.frames import FrameFile, check_one_camera, open_frames
 from nodes.files.table_cells import csv_lines
 
 _MOSTLY = 0.5  # of the fixed pattern, from which on that is the field's more than the pixels'
+Row = tuple[str, float | None, str, str]
+"""Name, value, unit and meaning of a figure."""
 
+
+@dataclass(frozen=True)
+class UniformFields:
+    """What frames of uniform fields have given, for the terminal and for files."""
+
+    figures: Sequence[Row]
+    digits: int  # of figures in the terminal
+    levels: Sequence[tuple[str, ...]]  # a row for each field, below its heads
+    right: Sequence[int]  # columns of these that end together
+    remarks: Sequence[str]
+    facts: Mapping[str, Any]
+    table: Sequence[Row]  # of each field, for CSV
+
+    def lines(self) -> list[str]:
+        figures = []
+        for name, value, *rest in self.figures:
+            shown = None if value is None else float(f"{value:.{self.digits}g}")
+            figures.append((name, number_text(shown), *rest))
+        levels = columns(self.levels, right=self.right)
+        return [columns(figures, right=(1,)) + "\n", levels, *map(in_line, self.remarks)]
+
+    def content(self, path: Path) -> str:
+        if JSON.matches(path):
+            return json_text(self.facts)
+        rows = [("name", "value", "unit", "meaning")]
+        for name, value, unit, meaning in (*self.figures, *self.table):
+            rows.append((name, "" if value is None else repr(value), unit, meaning))
+        return csv_lines(rows)
+
+
+# Gain, noise and full well from flat fields.
 
 _OF_LEVEL = ("frames", "mean_dn", "temporal_dn2", "fixed_dn2", "pixels")
 _LEVEL_HEAD = ("file", "frames", "mean (DN)", "temporal σ² (DN²)", "fixed σ² (DN²)", "")
 
 
-def transfer_rows(curve: PhotonTransfer) -> list[tuple[str, float | None, str, str]]:
+def _transfer_rows(curve: PhotonTransfer) -> list[Row]:
     emva, ratio = curve.emva, None
     if curve.full_well_e and curve.read_noise_e:
         ratio = curve.full_well_e / curve.read_noise_e
@@ -67,93 +100,21 @@ def _decibels(ratio: float | None) -> float | None:
     return 20.0 * math.log10(ratio) if ratio else None
 
 
-@dataclass(frozen=True)
-class TransferMeasurement:
-    """The flat fields of a camera, and what their curve gives."""
-
-    files: tuple[tuple[Path, FlatField], ...]
-    dark: Path | None
-    curve: PhotonTransfer
-
-    def lines(self) -> list[str]:
-        rows = transfer_rows(self.curve)
-        figures = [(name, number_text(value), *rest) for name, value, *rest in rows]
-        return [
-            columns(figures, right=(1,)) + "\n",
-            columns([_LEVEL_HEAD, *self._levels()], right=(1, 2, 3, 4)),
-            *map(in_line, (*self._remarks(), *self._textures())),
-        ]
-
-    def _levels(self) -> list[tuple[str, ...]]:
-        rows = []
-        for path, field, used, saturated in self._fields():
-            figures = map(number_text, (field.mean_dn, field.temporal_dn2, field.fixed_dn2))
-            state = "saturated" if saturated else "" if used else "not used for the fit"
-            rows.append((path.name, str(field.frames), *figures, state))
-        return rows
-
-    def _fields(self) -> Iterator[tuple[Path, FlatField, bool, bool]]:
-        """Every file with its level, whether it is used for the fit, and whether saturated."""
-        states = zip(self.files, self.curve.used, self.curve.saturated, strict=True)
-        return ((*level, used, saturated) for level, used, saturated in states)
-
-    def _remarks(self) -> list[str]:
-        curve, lines = self.curve, []
-        if curve.dark_cut_off:
-            lines.append(
-                f"{self.dark}: the converter clips the noise at 0, so these dark "
-                "frames are not used. Raise the camera's offset, or give --offset-dn"
-            )
-        elif curve.offset_dn is None:
-            lines.append("read noise and full well need --dark FILE, or --offset-dn DN")
-        if curve.offset_dn is not None and curve.full_well_e is None:
-            lines.append(
-                "no level is saturated, so the full well is above the brightest level. "
-                "Add a brighter level"
-            )
-        return lines
-
-    def _textures(self) -> list[str]:
-        """Fields of which more is structure than pixels that differ; saturated ones say nothing."""
-        return [
-            f"warning: {path.name}: {100.0 * field.structure_share:.0f} % of the variance between "
-            "pixels comes from structure wider than 8 pixels, as in a scene or uneven light. "
-            "PRNU and DSNU include this structure. Give frames of a uniform field"
-            for path, field, _, saturated in self._fields()
-            if field.structure_share > _MOSTLY and not saturated
-        ]
-
-    def content(self, path: Path) -> str:
-        return json_text(self.facts()) if JSON.matches(path) else self._csv()
-
-    def facts(self) -> dict[str, Any]:
-        return {
-            "format": "imagechain-photon-transfer",
-            "version": 1,
-            "figures": {name: value for name, value, _, _ in transfer_rows(self.curve)},
-            "dark_cut_off": self.curve.dark_cut_off,
-            "levels": [
-                {
-                    "file": str(path),
-                    **{name: getattr(field, name) for name in _OF_LEVEL},
-                    "bad_pixels": field.bad,
-                    "structure_share": field.structure_share,
-                    "used": used,
-                    "saturated": saturated,
-                }
-                for path, field, used, saturated in self._fields()
-            ],
-        }
-
-    def _csv(self) -> str:
-        rows = [("name", "value", "unit", "meaning")]
-        for name, value, unit, meaning in transfer_rows(self.curve):
-            rows.append((name, "" if value is None else repr(value), unit, meaning))
-        for path, field in self.files:
-            rows.append((f"{path.name}: mean_dn", repr(field.mean_dn), "DN", "mean of a level"))
-            meaning = "temporal variance of a level"
-            rows.append((f"{path.name}: temporal_dn2", repr(field.temporal_dn2), "DN²", meaning))
-        return csv_lines(rows)
+def _transfer_remarks(curve: PhotonTransfer, dark: Path | None) -> list[str]:
+    lines = []
+    if curve.dark_cut_off:
+        lines.append(
+            f"{dark}: the converter clips the noise at 0, so these dark "
+            "frames are not used. Raise the camera's offset, or give --offset-dn"
+        )
+    elif curve.offset_dn is None:
+        lines.append("read noise and full well need --dark FILE, or --offset-dn DN")
+    if curve.offset_dn is not None and curve.full_well_e is None:
+        lines.append(
+            "no level is saturated, so the full well is above the brightest level. "
+            "Add a brighter level"
+        )
+    return lines
 
 
 def measured_transfer(
@@ -163,7 +124,7 @@ def measured_transfer(
     *,
     check: Callable[[], None],
     report: Callable[[str], object],
-) -> TransferMeasurement:
+) -> UniformFields:
     """The curve of one camera's flat fields; the dark level from dark frames, or as it is given."""
 
     def field(file: FrameFile) -> FlatField:
@@ -179,7 +140,41 @@ def measured_transfer(
     levels = fields[: len(flats)]
     dark_field = None if dark is None else fields[-1]
     curve = photon_transfer(levels=levels, dark=dark_field, offset_dn=offset_dn)
-    return TransferMeasurement(tuple(zip(flats, levels, strict=True)), dark, curve)
+    return _of_transfer(flats, levels, dark, curve)
+
+
+def _of_transfer(
+    files: Sequence[Path], fields: Sequence[FlatField], dark: Path | None, curve: PhotonTransfer
+) -> UniformFields:
+    figures, remarks = _transfer_rows(curve), _transfer_remarks(curve, dark)
+    levels: list[tuple[str, ...]] = [_LEVEL_HEAD]
+    facts, table = [], list[Row]()
+    states = zip(files, fields, curve.used, curve.saturated, strict=True)
+    for path, field, used, saturated in states:
+        values = map(number_text, (field.mean_dn, field.temporal_dn2, field.fixed_dn2))
+        state = "saturated" if saturated else "" if used else "not used for the fit"
+        levels.append((path.name, str(field.frames), *values, state))
+        fact = {"file": str(path), **{name: getattr(field, name) for name in _OF_LEVEL}}
+        fact |= {"bad_pixels": field.bad, "structure_share": field.structure_share}
+        facts.append(fact | {"used": used, "saturated": saturated})
+        table.append((f"{path.name}: mean_dn", field.mean_dn, "DN", "mean of a level"))
+        meaning = "temporal variance of a level"
+        table.append((f"{path.name}: temporal_dn2", field.temporal_dn2, "DN²", meaning))
+        # Of saturated ones it says nothing.
+        if field.structure_share > _MOSTLY and not saturated:
+            remarks.append(
+                f"warning: {path.name}: {100.0 * field.structure_share:.0f} % of the variance "
+                "between pixels comes from structure wider than 8 pixels, as in a scene or uneven "
+                "light. PRNU and DSNU include this structure. Give frames of a uniform field"
+            )
+    content = {
+        "format": "imagechain-photon-transfer",
+        "version": 1,
+        "figures": {name: value for name, value, _, _ in figures},
+        "dark_cut_off": curve.dark_cut_off,
+        "levels": facts,
+    }
+    return UniformFields(figures, 6, levels, range(1, 5), remarks, content, table)
 
 
 # SiTF, NETD and 3-D noise of an infrared camera from frames of black bodies.
@@ -189,49 +184,7 @@ _DEPARTS = 0.5  # per cent of the span
 _CHANCE = 8  # samples at an end of a small frame
 _PILED_UP = 0.01  # of the samples at an end: of a normal distribution next to none are
 _FEW = 16  # frames, of which the components in time are hardly known
-Row = tuple[str, float, str, str]
 Frames = NDArray[np.floating]
-
-
-@dataclass(frozen=True)
-class NetdMeasurement:
-    """Fields of a black body, by temperature, and the response of the camera."""
-
-    files: tuple[tuple[Path, thermal.ThermalField], ...]
-    response: thermal.ThermalResponse
-    unit: str
-
-    def lines(self) -> list[str]:
-        rows = _rows(self)
-        figures = [(n, number_text(float(f"{value:.5g}")), *rest) for n, value, *rest in rows]
-        return [
-            columns(figures, right=(1,)) + "\n",
-            columns(_levels(self), right=range(1, 13)),
-            *map(in_line, _remarks(self)),
-        ]
-
-    def facts(self) -> dict[str, Any]:
-        return {
-            "format": "imagechain-netd",
-            "version": 1,
-            "unit": self.unit,
-            "figures": {name: value for name, value, _, _ in _rows(self)},
-            "departure_percent": self.response.departure_percent,
-            "levels": [
-                {
-                    "file": str(path),
-                    **_level_figures(at),
-                    "frames": field.noise.frames,
-                    "mean": field.field.mean_dn,
-                    "bad_pixels": field.field.bad,
-                    "structure_share": field.field.structure_share,
-                }
-                for (path, field), at in zip(self.files, self.response.levels, strict=True)
-            ],
-        }
-
-    def content(self, path: Path) -> str:
-        return json_text(self.facts()) if JSON.matches(path) else _csv(self)
 
 
 def measured_netd(
@@ -239,7 +192,7 @@ def measured_netd(
     *,
     check: Callable[[], None],
     report: Callable[[str], object],
-) -> NetdMeasurement:
+) -> UniformFields:
     """The response of one camera to a black body at each of these temperatures, in kelvin."""
     paths, kelvins = zip(*given, strict=True)
     files = [open_frames(path) for path in paths]
@@ -247,7 +200,42 @@ def measured_netd(
     fields = _fields(files, kelvins, report, check)
     # By temperature, as the response has them.
     ordered = sorted(zip(paths, fields, strict=True), key=lambda one: one[1].temperature_K)
-    return NetdMeasurement(tuple(ordered), thermal.thermal_response(fields), files[0].unit or "DN")
+    return _of_netd(ordered, thermal.thermal_response(fields), files[0].unit or "DN")
+
+
+def _of_netd(
+    files: Sequence[tuple[Path, thermal.ThermalField]], response: thermal.ThermalResponse, unit: str
+) -> UniformFields:
+    figures, table = _netd_rows(response, unit), list[Row]()
+    levels: list[tuple[str, ...]] = [_NETD_HEAD]
+    facts = []
+    for (path, field), at in zip(files, response.levels, strict=True):
+        own, flat = _level_figures(at), field.field
+        parts = [at.components_K[name] for name in COMPONENTS if name != "tvh"]
+        levels.append(
+            (
+                path.name, f"{at.temperature_K:.2f}", str(field.noise.frames),
+                number_text(float(f"{flat.mean_dn:.6g}")),
+                number_text(float(f"{at.sitf_per_K:.5g}")), _millikelvin(at.netd_K),
+                # An unbiased estimate of next to nothing comes out below zero half the time.
+                *(_millikelvin(max(part, 0.0)) for part in parts),
+            )
+        )  # fmt: skip
+        fact = {"file": str(path), **own, "frames": field.noise.frames, "mean": flat.mean_dn}
+        facts.append(fact | {"bad_pixels": flat.bad, "structure_share": flat.structure_share})
+        for name, value in own.items():
+            of = f"{unit}/K" if name.startswith("sitf") else "K"
+            table.append((f"{path.name}: {name}", value, of, "at this temperature"))
+    content = {
+        "format": "imagechain-netd",
+        "version": 1,
+        "unit": unit,
+        "figures": {name: value for name, value, _, _ in figures},
+        "departure_percent": response.departure_percent,
+        "levels": facts,
+    }
+    remarks = _netd_remarks(files, response)
+    return UniformFields(figures, 5, levels, range(1, 13), remarks, content, table)
 
 
 def _fields(
@@ -308,9 +296,9 @@ def _refuse_useless(file: FrameFile, good: NDArray[np.float64], field: FlatField
             )
 
 
-def _rows(measured: NetdMeasurement) -> list[Row]:
-    middle, unit = measured.response.middle, measured.unit
-    wavelength, error = measured.response.wavelength_um, measured.response.wavelength_error
+def _netd_rows(response: thermal.ThermalResponse, unit: str) -> list[Row]:
+    middle = response.middle
+    wavelength, error = response.wavelength_um, response.wavelength_error
     effective: list[Row] = []
     if wavelength is not None and error is not None:
         effective = [
@@ -339,29 +327,14 @@ _NETD_HEAD = (
 )  # fmt: skip
 
 
-def _levels(measured: NetdMeasurement) -> list[tuple[str, ...]]:
-    rows: list[tuple[str, ...]] = [_NETD_HEAD]
-    for (path, field), at in zip(measured.files, measured.response.levels, strict=True):
-        parts = [at.components_K[name] for name in COMPONENTS if name != "tvh"]
-        rows.append(
-            (
-                path.name, f"{at.temperature_K:.2f}", str(field.noise.frames),
-                number_text(float(f"{field.field.mean_dn:.6g}")),
-                number_text(float(f"{at.sitf_per_K:.5g}")), _millikelvin(at.netd_K),
-                # An unbiased estimate of next to nothing comes out below zero half the time.
-                *(_millikelvin(max(part, 0.0)) for part in parts),
-            )
-        )  # fmt: skip
-    return rows
-
-
 def _millikelvin(kelvin: float) -> str:
     return number_text(float(f"{1e3 * kelvin:.4g}"))
 
 
-def _remarks(measured: NetdMeasurement) -> list[str]:
+def _netd_remarks(
+    files: Sequence[tuple[Path, thermal.ThermalField]], response: thermal.ThermalResponse
+) -> list[str]:
     lines = []
-    response, files = measured.response, measured.files
     if len(response.levels) == 2:
         lines.append(
             "with two temperatures, SiTF is known only midway between them, and this value is "
@@ -415,14 +388,3 @@ def _level_figures(at: thermal.NoiseTemperature) -> dict[str, float]:
         "temporal_K": at.temporal_K,
         **{f"sigma_{name}_K": value for name, value in at.components_K.items()},
     }
-
-
-def _csv(measured: NetdMeasurement) -> str:
-    rows = [("name", "value", "unit", "meaning")]
-    for name, value, unit, meaning in _rows(measured):
-        rows.append((name, repr(value), unit, meaning))
-    for (path, _), at in zip(measured.files, measured.response.levels, strict=True):
-        for name, value in _level_figures(at).items():
-            unit = f"{measured.unit}/K" if name.startswith("sitf") else "K"
-            rows.append((f"{path.name}: {name}", repr(value), unit, "at this temperature"))
-    return csv_lines(rows)
