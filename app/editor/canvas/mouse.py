@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from functools import partial
 
 from PySide6.QtCore import QPoint, QPointF, QRect, QRectF, QSizeF, Qt
 from PySide6.QtGui import QMouseEvent
@@ -30,97 +31,96 @@ from core.records import replace
 DRAG_PX = 4  # what is moved less is a click
 
 
-class Gesture:
-    """One drag, from the press at a pixel of the view to the release."""
+Move = Callable[[QPoint, QPointF], object]
+Act = Callable[[], object]
 
-    def __init__(self, surface: Surface, pos: QPoint) -> None:
-        self.surface = surface
-        self.pressed = pos
-        self.start = surface.view.scene_point(pos)
-        self.dragging = False
+
+class Gesture:
+    """One drag, from the press at a pixel of the view to the release.
+
+    `drag` shows its present position, `drop` does it; `leave` takes away what was only shown, and
+    alone gives the gesture up; `click` follows where it was no drag.
+    """
+
+    def __init__(
+        self,
+        surface: Surface,
+        pos: QPoint,
+        drag: Move,
+        drop: Move | None = None,
+        leave: Act | None = None,
+        click: Act | None = None,
+    ) -> None:
+        self._point, self._pressed, self._dragging = surface.view.scene_point, pos, False
+        self._drag, self._drop, self._leave, self._click = drag, drop, leave, click
 
     def to(self, pos: QPoint) -> None:
-        if not self.dragging and (pos - self.pressed).manhattanLength() >= DRAG_PX:
-            self.dragging = True
-        if self.dragging:
-            self.drag(pos, self.surface.view.scene_point(pos))
+        if (pos - self._pressed).manhattanLength() >= DRAG_PX:
+            self._dragging = True
+        if self._dragging:
+            self._drag(pos, self._point(pos))
 
     def release(self, pos: QPoint) -> None:
         self.to(pos)
-        point = self.surface.view.scene_point(pos)
+        point = self._point(pos)
         self.leave()
-        if self.dragging:
-            self.drop(pos, point)
-        else:
-            self.click()
-
-    def drag(self, pos: QPoint, point: QPointF) -> None:
-        """Show its present position."""
-
-    def drop(self, pos: QPoint, point: QPointF) -> None:
-        """Do it."""
+        if self._dragging and self._drop is not None:
+            self._drop(pos, point)
+        elif not self._dragging and self._click is not None:
+            self._click()
 
     def leave(self) -> None:
-        """Take away what was only shown; alone, it gives the gesture up."""
-
-    def click(self) -> None:
-        """It was no drag."""
+        if self._leave is not None:
+            self._leave()
 
 
-class Pan(Gesture):
-    def __init__(self, surface: Surface, pos: QPoint) -> None:
-        super().__init__(surface, pos)
-        self._last = pos
-        surface.view.viewport().setCursor(Qt.CursorShape.ClosedHandCursor)
+def _pan(surface: Surface, pos: QPoint) -> Gesture:
+    viewport, last = surface.view.viewport(), pos
+    viewport.setCursor(Qt.CursorShape.ClosedHandCursor)
 
-    def drag(self, pos: QPoint, _point: QPointF) -> None:
-        self.surface.view.pan(QPointF(pos - self._last))
-        self._last = pos
+    def drag(now: QPoint, _point: QPointF) -> None:
+        nonlocal last
+        surface.view.pan(QPointF(now - last))
+        last = now
 
-    def leave(self) -> None:
-        self.surface.view.viewport().unsetCursor()
+    return Gesture(surface, pos, drag, leave=viewport.unsetCursor)
 
 
-class RubberBand(Gesture):
-    """Select what lies in a frame, in addition to those `already_selected`."""
+def _rubber_band(surface: Surface, pos: QPoint, selected: tuple[str, ...]) -> Gesture:
+    """Select what lies in a frame, in addition to those that are `selected`."""
+    session, content, band = surface.session, surface.content, surface.view.rubber_band
+    start, inside = surface.view.scene_point(pos), list[str]()
 
-    def __init__(self, surface: Surface, pos: QPoint, already_selected: Iterable[str] = ()) -> None:
-        super().__init__(surface, pos)
-        self._already_selected = tuple(already_selected)
-        self._inside: tuple[str, ...] = ()
-
-    def drag(self, pos: QPoint, point: QPointF) -> None:
-        band = self.surface.view.rubber_band
-        band.setGeometry(QRect(self.pressed, pos).normalized())
+    def drag(now: QPoint, point: QPointF) -> None:
+        band.setGeometry(QRect(pos, now).normalized())
         band.show()
-        area = QRectF(self.start, point).normalized()
-        nodes = self.surface.content.nodes
-        self._inside = tuple(name for name, item in nodes.items() if item.frame().intersects(area))
-        self.surface.content.mark_selected((*self._already_selected, *self._inside))
+        area, nodes = QRectF(start, point).normalized(), content.nodes.items()
+        inside[:] = [name for name, item in nodes if item.frame().intersects(area)]
+        content.mark_selected((*selected, *inside))
 
-    def drop(self, _pos: QPoint, _point: QPointF) -> None:
-        self.surface.session.select((*self._already_selected, *self._inside))
+    def leave() -> None:
+        band.hide()
+        content.mark_selected(session.selection)
 
-    def click(self) -> None:
-        self.surface.session.select(self._already_selected)
+    def drop(*_: object) -> None:
+        session.select((*selected, *inside))
 
-    def leave(self) -> None:
-        self.surface.view.rubber_band.hide()
-        self.surface.content.mark_selected(self.surface.session.selection)
+    return Gesture(surface, pos, drag, drop, leave, drop)
 
 
-class Cut(Gesture):
-    def drag(self, _pos: QPoint, point: QPointF) -> None:
-        self.surface.live.show_cut(self.start, point, self.surface.content.style.error)
+def _cut(surface: Surface, pos: QPoint) -> Gesture:
+    content, start = surface.content, surface.view.scene_point(pos)
 
-    def drop(self, _pos: QPoint, point: QPointF) -> None:
-        links = tuple(wire.link for wire in wires_crossed(self.surface.content, self.start, point))
+    def drag(_pos: QPoint, point: QPointF) -> None:
+        surface.live.show_cut(start, point, content.style.error)
+
+    def drop(_pos: QPoint, point: QPointF) -> None:
+        links = tuple(wire.link for wire in wires_crossed(content, start, point))
         if links:
             label = f"Cut {links[0]}" if len(links) == 1 else f"Cut {len(links)} wires"
-            self.surface.session.do(rewire(remove=links, label=label))
+            surface.session.do(rewire(remove=links, label=label))
 
-    def leave(self) -> None:
-        self.surface.live.setVisible(False)
+    return Gesture(surface, pos, drag, drop, partial(surface.live.setVisible, False))
 
 
 _LEFT, _MIDDLE = Qt.MouseButton.LeftButton, Qt.MouseButton.MiddleButton
@@ -192,28 +192,28 @@ class Mouse:
         surface, keys = self._surface, event.modifiers()
         if event.button() == _MIDDLE or (event.button() == _LEFT and keys & _ALT):
             cutting = event.button() == _LEFT and keys & _SHIFT
-            return Cut(surface, pos) if cutting else Pan(surface, pos)
+            return _cut(surface, pos) if cutting else _pan(surface, pos)
         if event.button() != _LEFT:
             return None
         hit = surface.hit(surface.view.scene_point(pos))
         adding = bool(keys & (_SHIFT | _CTRL))
         if hit.port is not None:
-            return DragWire(surface, pos, hit.port, self._dropped)
+            return _WireDrag(surface, pos, hit.port, self._dropped).gesture
         if hit.node is not None:
             return self._on_node(hit.node.id, pos, adding, showing=keys == _VIEWING)
         self._marks.choose(hit.wire.link if hit.wire else None, hit.backdrop, hit.dot)
         if hit.wire is not None:
             surface.session.select(())
-            return None if hit.dot is None else DragDot(surface, pos, hit.wire, hit.dot)
+            return None if hit.dot is None else _dot_drag(surface, pos, hit.wire, hit.dot)
         if hit.backdrop is not None:
             surface.session.select(())
             if hit.handle:
-                return ResizeBackdrop(surface, pos, hit.backdrop)
+                return _backdrop_resize(surface, pos, hit.backdrop)
             names = backdrops.nodes_on(
                 surface.session.network, hit.backdrop.index, surface.content.sizes()
             )
-            return DragNodes(surface, pos, names, hit.backdrop)
-        return RubberBand(surface, pos, surface.session.selection if adding else ())
+            return _node_drag(surface, pos, names, hit.backdrop)
+        return _rubber_band(surface, pos, surface.session.selection if adding else ())
 
     def _on_node(self, name: str, pos: QPoint, adding: bool, *, showing: bool) -> Gesture | None:
         session = self._surface.session
@@ -231,7 +231,7 @@ class Mouse:
         elif name not in selected:
             session.select([name])
         grabbed = "" if adding else name
-        return DragNodes(self._surface, pos, session.selection, grabbed=grabbed)
+        return _node_drag(self._surface, pos, session.selection, grabbed=grabbed)
 
 
 # Drawing a wire with the mouse, from a port to another one or to empty ground.
@@ -240,11 +240,12 @@ class Mouse:
 Dropped = Callable[[NodePort, Link | None, QPoint], None]
 
 
-class DragWire(Gesture):
+class _WireDrag:
     """Draw a wire from a port, or pick one up at an input; `dropped` ends it on empty ground."""
 
     def __init__(self, surface: Surface, pos: QPoint, port: NodePort, dropped: Dropped) -> None:
-        super().__init__(surface, pos)
+        self._surface = surface
+        self.gesture = Gesture(surface, pos, self._drag, self._drop, self._leave)
         at_input = surface.content.wires_at(port.node.id) if port.side == "input" else ()
         self._carried = next((wire for wire in at_input if wire.input_port is port), None)
         self._fixed: NodePort = self._carried.output_port if self._carried else port
@@ -254,8 +255,8 @@ class DragWire(Gesture):
             self._network = rewire(remove=(self._carried.link,)).apply(self._network)
         self._begun = False
 
-    def drag(self, pos: QPoint, point: QPointF) -> None:
-        surface = self.surface
+    def _drag(self, pos: QPoint, point: QPointF) -> None:
+        surface = self._surface
         if self._carried is not None:
             self._carried.setVisible(False)
         if not self._begun:
@@ -273,8 +274,8 @@ class DragWire(Gesture):
         shape = Qt.CursorShape.ForbiddenCursor if refused else Qt.CursorShape.CrossCursor
         viewport.setCursor(shape)
 
-    def drop(self, pos: QPoint, point: QPointF) -> None:
-        session = self.surface.session
+    def _drop(self, pos: QPoint, point: QPointF) -> None:
+        session = self._surface.session
         old = self._carried.link if self._carried is not None else None
         port, refused = self._target(point)
         if refused:
@@ -285,8 +286,8 @@ class DragWire(Gesture):
         else:
             self._dropped(self._fixed, old, pos)
 
-    def leave(self) -> None:
-        surface = self.surface
+    def _leave(self) -> None:
+        surface = self._surface
         surface.live.setVisible(False)
         QToolTip.hideText()
         surface.view.viewport().unsetCursor()
@@ -296,14 +297,14 @@ class DragWire(Gesture):
 
     def _mark(self, fits: Callable[[NodePort], bool | None]) -> None:
         self._begun = True
-        for item in self.surface.content.nodes.values():
+        for item in self._surface.content.nodes.values():
             for port in item.ports.values():
                 port.fits = fits(port)
             item.update()
 
     def _target(self, point: QPointF) -> tuple[NodePort | None, str | None]:
-        content = self.surface.content
-        port = port_near(content, point, self.surface.view.zoom)
+        content = self._surface.content
+        port = port_near(content, point, self._surface.view.zoom)
         if port is self._fixed:
             return None, None
         if port is not None:
@@ -326,7 +327,7 @@ class DragWire(Gesture):
         if port.side == self._fixed.side:
             return f"a wire connects an output to an input; {port.name} is another {port.side}"
         link = link_between(self._fixed, port)
-        return refusal(self._network, self.surface.session.library, link)
+        return refusal(self._network, self._surface.session.library, link)
 
 
 def link_between(one: NodePort, other: NodePort) -> Link:
@@ -337,89 +338,78 @@ def link_between(one: NodePort, other: NodePort) -> Link:
 # Moving nodes and backdrops with the mouse.
 
 
-class DragNodes(Gesture):
+def _node_drag(
+    surface: Surface,
+    pos: QPoint,
+    names: Iterable[str],
+    backdrop: BackdropItem | None = None,
+    grabbed: str = "",
+) -> Gesture:
     """Move nodes, or a backdrop with its nodes; a click selects the node `grabbed` alone."""
+    session, nodes, start = surface.session, surface.content.nodes, surface.view.scene_point(pos)
+    places = {name: nodes[name].pos() for name in names if name in nodes}
+    alone = next(iter(places), "")
+    frame = backdrop.frame() if backdrop is not None else QRectF()
+    target: WireItem | None = None
+    inserting: Operation | None = None
 
-    def __init__(
-        self,
-        surface: Surface,
-        pos: QPoint,
-        names: Iterable[str],
-        backdrop: BackdropItem | None = None,
-        grabbed: str = "",
-    ) -> None:
-        super().__init__(surface, pos)
-        nodes = surface.content.nodes
-        self._from = {name: nodes[name].pos() for name in names if name in nodes}
-        self._backdrop = backdrop
-        self._frame = backdrop.frame() if backdrop is not None else QRectF()
-        self._grabbed = grabbed
-        self._target: WireItem | None = None
-        self._inserting: Operation | None = None
+    def mark(wire: WireItem | None) -> None:
+        nonlocal target
+        for each, on in ((target, False), (wire, True)):
+            if each is not None:
+                each.set_state(target=on)
+        target = wire
 
-    def drag(self, _pos: QPoint, point: QPointF) -> None:
-        by = point - self.start
-        self.surface.content.place({name: at + by for name, at in self._from.items()})
-        if self._backdrop is not None:
-            self._backdrop.place(self._frame.translated(by))
-        elif len(self._from) == 1:
-            (name,) = self._from
-            wire, self._inserting = insertion_at(self.surface, name, point) or (None, None)
-            self._mark(wire)
+    def drag(_pos: QPoint, point: QPointF) -> None:
+        nonlocal inserting
+        by = point - start
+        surface.content.place({name: at + by for name, at in places.items()})
+        if backdrop is not None:
+            backdrop.place(frame.translated(by))
+        elif len(places) == 1:
+            wire, inserting = insertion_at(surface, alone, point) or (None, None)
+            mark(wire)
 
-    def drop(self, _pos: QPoint, point: QPointF) -> None:
-        by = point - self.start
-        session = self.surface.session
-        places = {name: at + by for name, at in self._from.items()}
-        if self._backdrop is not None:
-            frame = self._frame.translated(by)
-            operation = moved_together(session.network, self._backdrop, frame, places)
+    def drop(_pos: QPoint, point: QPointF) -> None:
+        by, network = point - start, session.network
+        there = {name: at + by for name, at in places.items()}
+        if backdrop is not None:
+            operation = moved_together(network, backdrop, frame.translated(by), there)
         else:
-            operation = moved(session.network, places)
-        if self._inserting is not None:
-            operation = together((operation, self._inserting), self._inserting.text)
-            (name,) = self._from
-            operation = with_way_made(self.surface, operation, name)
+            operation = moved(network, there)
+        if inserting is not None:
+            operation = together((operation, inserting), inserting.text)
+            operation = with_way_made(surface, operation, alone)
         session.do(operation)
 
-    def click(self) -> None:
+    def leave() -> None:
+        mark(None)
+        surface.content.restore()
+
+    def click() -> None:
         """Of several selected nodes the clicked one stays."""
-        if self._grabbed:
-            self.surface.session.select([self._grabbed])
+        if grabbed:
+            session.select([grabbed])
 
-    def leave(self) -> None:
-        self._mark(None)
-        self.surface.content.restore()
-
-    def _mark(self, wire: WireItem | None) -> None:
-        if self._target is not None:
-            self._target.set_state(target=False)
-        self._target = wire
-        if wire is not None:
-            wire.set_state(target=True)
+    return Gesture(surface, pos, drag, drop, leave, click)
 
 
-class ResizeBackdrop(Gesture):
-    def __init__(self, surface: Surface, pos: QPoint, backdrop: BackdropItem) -> None:
-        super().__init__(surface, pos)
-        self._backdrop = backdrop
-        self._frame = backdrop.frame()
+def _backdrop_resize(surface: Surface, pos: QPoint, backdrop: BackdropItem) -> Gesture:
+    session, frame, start = surface.session, backdrop.frame(), surface.view.scene_point(pos)
 
-    def drag(self, _pos: QPoint, point: QPointF) -> None:
-        self._backdrop.place(self._resized(point))
+    def resized(point: QPointF) -> QRectF:
+        by = point - start
+        size = frame.size() + QSizeF(by.x(), by.y())
+        return QRectF(frame.topLeft(), size.expandedTo(SMALLEST))
 
-    def drop(self, _pos: QPoint, point: QPointF) -> None:
-        session = self.surface.session
-        changed = backdrop_at(self._backdrop.shown, self._resized(point))
-        session.do(backdrops.change(session.network, self._backdrop.index, changed))
+    def drag(_pos: QPoint, point: QPointF) -> None:
+        backdrop.place(resized(point))
 
-    def leave(self) -> None:
-        self.surface.content.restore()
+    def drop(_pos: QPoint, point: QPointF) -> None:
+        changed = backdrop_at(backdrop.shown, resized(point))
+        session.do(backdrops.change(session.network, backdrop.index, changed))
 
-    def _resized(self, point: QPointF) -> QRectF:
-        by = point - self.start
-        size = QSizeF(self._frame.width() + by.x(), self._frame.height() + by.y())
-        return QRectF(self._frame.topLeft(), size.expandedTo(SMALLEST))
+    return Gesture(surface, pos, drag, drop, surface.content.restore)
 
 
 def moved_together(
@@ -445,22 +435,17 @@ def backdrop_at(backdrop: Backdrop, frame: QRectF) -> Backdrop:
 _REACH_PX = 12.0
 
 
-class DragDot(Gesture):
-    def __init__(self, surface: Surface, pos: QPoint, wire: WireItem, index: int) -> None:
-        super().__init__(surface, pos)
-        self._link, self._index = wire.link, index
-        self._from = wire.dots[index]
+def _dot_drag(surface: Surface, pos: QPoint, wire: WireItem, index: int) -> Gesture:
+    session, link = surface.session, wire.link
+    before = wire.dots[index] - surface.view.scene_point(pos)
 
-    def drag(self, _pos: QPoint, point: QPointF) -> None:
-        at = self._from + point - self.start
-        self.surface.content.place_dot(self._link, self._index, at)
+    def drag(_pos: QPoint, point: QPointF) -> None:
+        surface.content.place_dot(link, index, before + point)
 
-    def drop(self, _pos: QPoint, point: QPointF) -> None:
-        session, at = self.surface.session, self._from + point - self.start
-        session.do(backdrops.move_dot(session.network, self._link, self._index, whole(at)))
+    def drop(_pos: QPoint, point: QPointF) -> None:
+        session.do(backdrops.move_dot(session.network, link, index, whole(before + point)))
 
-    def leave(self) -> None:
-        self.surface.content.restore()
+    return Gesture(surface, pos, drag, drop, surface.content.restore)
 
 
 class Dots:
