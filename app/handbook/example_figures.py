@@ -414,97 +414,49 @@ MODULES = "modules"
 _NO_SOURCE = ("any value", "assumed", "solved")
 
 
-@dataclass(frozen=True)
-class PublishedFigure:
-    """A published figure, ours, and by how much they may differ."""
-
-    text: str
-    unit: str
-    value: float
-    ours: float
-    within: float
-    reason: str
-    where: str
-
-    @property
-    def percent(self) -> float:
-        """How much more ours is, in per cent of the published value."""
-        return 100.0 * (self.ours - self.value) / self.value
-
-    @property
-    def difference(self) -> str:
-        return f"{round(self.percent, 1) + 0.0:+.1f} %".replace("-", "−")
-
-    @property
-    def accepted(self) -> str:
-        return f"± {short(100.0 * self.within / self.value, 2)} %"
-
-    @property
-    def published(self) -> str:
-        return f"{number(self.value)} {self.unit}".strip()
-
-    @property
-    def computed(self) -> str:
-        """To four digits, or as many as are published."""
-        digits = len(f"{self.value:g}".replace(".", "").lstrip("0"))
-        return f"{short(self.ours, max(4, digits))} {self.unit}".strip()
-
-
-@dataclass(frozen=True)
-class Inputs:
-    """Values of a network's parameters, and where they come from."""
-
-    where: str
-    values: tuple[tuple[str, str], ...]  # names, and values with their units
-    until: str = ""
-    reason: str = ""
-
-    @property
-    def published(self) -> bool:
-        return not self.where.startswith(_NO_SOURCE)
-
-
-@dataclass(frozen=True)
-class PublishedCamera:
-    name: str
-    title: str
-    text: str
-    figures: tuple[PublishedFigure, ...]
-    inputs: tuple[Inputs, ...]
-
-    @property
-    def largest(self) -> PublishedFigure:
-        """The figure that differs most."""
-        return max(self.figures, key=lambda figure: abs(figure.percent))
-
-    @property
-    def sources(self) -> tuple[str, ...]:
-        """What is cited, in the order of the inputs, then of the figures."""
-        cited = [entry.where for entry in self.inputs if entry.published]
-        return tuple(dict.fromkeys(cited + [figure.where for figure in self.figures]))
-
-    def values_of(self, source: str) -> tuple[tuple[str, str], ...]:
-        return tuple(pair for each in self.inputs if each.where == source for pair in each.values)
-
-
-def published_camera(name: str, engine: Engine) -> PublishedCamera:
+def published_camera(name: str, engine: Engine) -> dict[str, Any]:
+    """What its page has: figures beside ours, where values come from, and what is cited."""
     path = published_networks()[name]
     network = load_network(path, library=engine.library)
     plan, work = engine.plan(network, folder=path.parent), engine.work(Policy())
-
-    def figure(entry: Mapping[str, Any]) -> PublishedFigure:
+    facts = thaw(network.extra)
+    inputs = [
+        {
+            **{"until": "", "reason": "", "published": not entry["where"].startswith(_NO_SOURCE)},
+            **entry,
+            "pairs": [(port, _value(plan, port)) for port in entry["of"]],
+        }
+        for entry in facts["inputs"]
+    ]
+    # In the order of the inputs, then of the figures.
+    sources: dict[str, list[tuple[str, str]]] = {}
+    for entry in inputs:
+        if entry["published"]:
+            sources.setdefault(entry["where"], []).extend(entry["pairs"])
+    figures = []
+    for entry in facts["published"]:
         node, _, readout = entry["from"].partition(".")
         ours = float(engine.readouts(plan, node, work)[readout])
-        texts = entry["value"], ours, entry["within"], entry["reason"], entry["where"]
-        return PublishedFigure(entry["figure"], entry["unit"], *texts)
+        sources.setdefault(entry["where"], [])
+        source = [*sources].index(entry["where"]) + 1
+        figures.append(entry | _beside(entry, ours) | {"ours": ours, "source": source})
+    largest = max(figures, key=lambda figure: abs(figure["percent"]))
+    about = {"name": name, "title": network.name, "text": network.description}
+    return about | {"figures": figures, "largest": largest, "inputs": inputs, "sources": sources}
 
-    def inputs(entry: Mapping[str, Any]) -> Inputs:
-        values = tuple((port, _value(plan, port)) for port in entry["of"])
-        return Inputs(entry["where"], values, entry.get("until", ""), entry.get("reason", ""))
 
-    facts = thaw(network.extra)
-    made = tuple(map(figure, facts["published"])), tuple(map(inputs, facts["inputs"]))
-    return PublishedCamera(name, network.name, network.description, *made)
+def _beside(entry: Mapping[str, Any], ours: float) -> dict[str, Any]:
+    """How much more ours is than a published figure, and both as they are printed."""
+    value, unit = entry["value"], entry["unit"]
+    percent = 100.0 * (ours - value) / value
+    digits = len(f"{value:g}".replace(".", "").lstrip("0"))  # ours has four, or as many
+    return {
+        "percent": percent,
+        "difference": f"{round(percent, 1) + 0.0:+.1f} %".replace("-", "−"),
+        "accepted": f"± {short(100.0 * entry['within'] / value, 2)} %",
+        "published": f"{number(value)} {unit}".strip(),
+        "computed": f"{short(ours, max(4, digits))} {unit}".strip(),
+    }
 
 
 def _value(plan: Plan, port: str) -> str:
