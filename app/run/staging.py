@@ -24,13 +24,6 @@ Writer = Callable[[Path], None]
 Guard = Callable[[Path], None]
 
 
-@dataclass(frozen=True)
-class _Staged:
-    file: Path
-    target: Path
-    given: Path
-
-
 class Staging:
     """Collects files in hidden folders beside their targets; `commit` puts them in place.
 
@@ -42,7 +35,7 @@ class Staging:
         self._folder = None if folder is None else real_target(folder)
         self._inputs = {real_target(path) for path in inputs}
         self._claimed: dict[Path, Path] = {}  # by name, where links lead to
-        self._staged: list[_Staged] = []
+        self._staged: list[tuple[Path, Path, Path]] = []  # file, target, and how it was given
         self._guards: dict[Path, Guard] = {}
         self._places: dict[Path, Path] = {}
         self._locks: list[Callable[[], None]] = []
@@ -99,7 +92,7 @@ class Staging:
         real = real_target(target)
         if real not in self._claimed.values():
             self.claim(target, guard)
-        if any(staged.target == real for staged in self._staged):
+        if any(there == real for _, there, _ in self._staged):
             raise FileError(f"cannot write: two outputs would be written to {target}")
         file = self._place(real, target) / f"{len(self._staged)}{real.suffix}"
         try:
@@ -108,14 +101,14 @@ class Staging:
         except ImagechainError as error:
             error.message = error.message.replace(str(file), str(target))
             raise
-        self._staged.append(_Staged(file, real, target))
+        self._staged.append((file, real, target))
 
     def protect(self, path: Path) -> None:
         self._inputs.add(real_target(path))
 
     def drop(self, folder: Path) -> None:
         real = real_target(folder)
-        self._staged = [file for file in self._staged if not file.target.is_relative_to(real)]
+        self._staged = [one for one in self._staged if not one[1].is_relative_to(real)]
         for target, file in list(self._claimed.items()):
             if file.is_relative_to(real):
                 del self._claimed[target]
@@ -123,21 +116,21 @@ class Staging:
 
     def guarded(self) -> list[tuple[Path, Path]]:
         """Targets that have a guard, links resolved, each with the file prepared for it."""
-        return [(one.target, one.file) for one in self._staged if one.target in self._guards]
+        return [(target, file) for file, target, _ in self._staged if target in self._guards]
 
     def commit(self) -> None:
         """Put every file in its place; if one fails, the others are as before."""
-        for staged in self._staged:
-            self._check_way(staged.given)
-            self.check(staged.given)
-            if (guard := self._guards.get(staged.target)) is not None:
-                guard(staged.given)
+        for _, target, given in self._staged:
+            self._check_way(given)
+            self.check(given)
+            if (guard := self._guards.get(target)) is not None:
+                guard(given)
         undo: list[Callable[[], object]] = []
         try:
-            for staged in self._staged:
-                with writing(staged.given):
-                    _make_folders(staged.target.parent, undo)
-                    _put(staged, undo)
+            for file, target, given in self._staged:
+                with writing(given):
+                    _make_folders(target.parent, undo)
+                    _put(file, target, undo)
         except BaseException:
             for step in reversed(undo):
                 # One that cannot be undone must not keep the rest from it.
@@ -225,20 +218,20 @@ def _make_folders(folder: Path, undo: list[Callable[[], object]]) -> None:
         undo.append(each.rmdir)
 
 
-def _put(staged: _Staged, undo: list[Callable[[], object]]) -> None:
-    backup = staged.file.with_name(staged.file.name + ".old")
-    if staged.file.is_dir():  # a store: one that is there makes room, and is gone with the stage
-        if staged.target.exists():
-            staged.target.replace(backup)
-            undo.append(lambda: backup.replace(staged.target))
-        undo.append(lambda: staged.target.replace(staged.file))
-    elif staged.target.exists():
-        shutil.copy2(staged.target, backup)
-        staged.file.chmod(stat.S_IMODE(staged.target.stat().st_mode))
-        undo.append(lambda: backup.replace(staged.target))
+def _put(file: Path, target: Path, undo: list[Callable[[], object]]) -> None:
+    backup = file.with_name(file.name + ".old")
+    if file.is_dir():  # a store: one that is there makes room, and is gone with the stage
+        if target.exists():
+            target.replace(backup)
+            undo.append(lambda: backup.replace(target))
+        undo.append(lambda: target.replace(file))
+    elif target.exists():
+        shutil.copy2(target, backup)
+        file.chmod(stat.S_IMODE(target.stat().st_mode))
+        undo.append(lambda: backup.replace(target))
     else:
-        undo.append(lambda: staged.target.unlink(missing_ok=True))
-    staged.file.replace(staged.target)
+        undo.append(lambda: target.unlink(missing_ok=True))
+    file.replace(target)
 
 
 # Where a network may write: its origin is unknown, and it names its files itself.

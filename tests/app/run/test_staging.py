@@ -38,10 +38,10 @@ def test_without_commit_nothing_stays(tmp_path):
 def test_a_failing_commit_takes_back_what_it_did(tmp_path, monkeypatch):
     put = staging_module._put
 
-    def failing(staged, undo):
-        if staged.target.name == "late":
+    def failing(file, target, undo):
+        if target.name == "late":
             raise OSError(28, "No space left on device")
-        put(staged, undo)
+        put(file, target, undo)
 
     monkeypatch.setattr(staging_module, "_put", failing)
     (tmp_path / "a.txt").write_text("old")
