@@ -83,10 +83,8 @@ _MARK = "imagechain-job "
 _INTERVAL_S = 0.1
 
 
-@dataclass(frozen=True)
-class Step:
-    share: float
-    doing: str
+Step = tuple[float, str]
+"""The share that is done, and what is being done."""
 
 
 @dataclass(frozen=True)
@@ -161,4 +159,4 @@ class Steps:
             self._last = now
             whole = min(1.0, (self._done + min(share, 1.0) * self._weight) / self._all)
             name = self._name
-        self._write(Step(whole, " · ".join(filter(None, (name, doing)))))
+        self._write((whole, " · ".join(filter(None, (name, doing)))))

@@ -14,7 +14,7 @@ from PySide6.QtGui import QDesktopServices, QIcon, QKeySequence, QPixmap, QShort
 from app.editor.declared_text import tip
 from app.editor.session import Session
 from app.editor.widgets import FlowLayout, centred_hint, filled, labelled, tool_button
-from app.run.job import Job, Kind, Result, Step, job_text, read_message
+from app.run.job import Job, Kind, Result, job_text, read_message
 from app.run.terminal import command, environment
 from core.atomic import sweep
 from core.errors import NetworkError, in_line
@@ -38,7 +38,7 @@ class Run(QObject):
         super().__init__(parent)
         self.title, self.job = title, job
         self.state: State = "waiting"
-        self.step = Step(0.0, "")
+        self.share, self.doing = 0.0, ""
         self.begun = self.seconds = 0.0
         self.first: tuple[float, float] | None = None  # moment and share once it was loaded
         self.text = ""
@@ -69,9 +69,9 @@ class Run(QObject):
 
     def left_s(self, now: float) -> float | None:
         """Seconds until it is done; None while its speed is not known."""
-        began, before = self.first or (now, self.step.share)
-        done = self.step.share - before
-        return (now - began) * (1 - self.step.share) / done if done >= _SURE else None
+        began, before = self.first or (now, self.share)
+        done = self.share - before
+        return (now - began) * (1 - self.share) / done if done >= _SURE else None
 
     def start(self) -> None:
         self.begun = time.monotonic()
@@ -102,8 +102,8 @@ class Run(QObject):
             if isinstance(message, Result):
                 self.result = message
             elif message is not None and self.state == "running":
-                self.step = message
-                self.first = self.first or (time.monotonic(), message.share)
+                self.share, self.doing = message
+                self.first = self.first or (time.monotonic(), self.share)
                 self.changed.emit()
 
     def _read_errors(self) -> None:
@@ -377,7 +377,7 @@ def state_text(run: Run, now: float) -> str:
     if run.state == "running":
         left = run.left_s(now)
         soon = "" if left is None else f"{duration(max(1.0, left))} left"
-        return " · ".join(filter(None, (f"{100 * run.step.share:.0f} %", soon, run.step.doing)))
+        return " · ".join(filter(None, (f"{100 * run.share:.0f} %", soon, run.doing)))
     if run.state == "failed":
         return f"failed: {run.text}"
     if run.state == "done":

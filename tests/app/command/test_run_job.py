@@ -9,7 +9,7 @@ import subprocess
 import numpy as np
 import pytest
 
-from app.run.job import Job, Result, Step, job_text, read_message
+from app.run.job import Job, Result, job_text, read_message
 from app.run.terminal import command, environment
 from child_process import PATIENCE_S
 
@@ -184,7 +184,7 @@ def test_stopped_it_leaves_nothing(job, small, tmp_path, way):
     with started(running) as child:
         for line in child.stdout:
             message = read_message(line.rstrip("\n"))
-            if isinstance(message, Step) and message.doing.startswith("frames"):
+            if isinstance(message, tuple) and message[1].startswith("frames"):
                 break
         assert any(path.name.startswith(".imagechain-") for path in tmp_path.iterdir())
         if way == "SIGTERM":

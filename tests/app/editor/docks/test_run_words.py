@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from app.editor.docks.runs import Run, duration, state_text, whole_text
-from app.run.job import Job, Result, Step
+from app.run.job import Job, Result
 
 
 @pytest.fixture
@@ -20,7 +20,8 @@ def test_durations():
 
 def test_time_left_is_counted_from_the_first_step(run):
     """Half of it in 10 s, after 5 s of loading: 10 s are left."""
-    run.state, run.begun, run.first, run.step = "running", 100.0, (105.0, 0.0), Step(0.5, "blur")
+    run.state, run.begun, run.first = "running", 100.0, (105.0, 0.0)
+    run.share, run.doing = 0.5, "blur"
     assert run.left_s(115.0) == pytest.approx(10.0)
     assert state_text(run, 115.0) == "50 % · 10 s left · blur"
 
