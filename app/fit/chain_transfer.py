@@ -442,8 +442,12 @@ def uniform_field(work: Work, *, value: float, rows: int, columns: int) -> NDArr
     return np.full((rows, columns), value, work.policy.dtype)
 
 
-class NoiseLevels:
-    def __init__(self, engine: Engine, plan: Plan, work: Work) -> None:
+class NoiseProblem:
+    """What the network predicts of the noise that was measured at some levels."""
+
+    def __init__(
+        self, engine: Engine, plan: Plan, work: Work, measured: Sequence[LevelVariance] = ()
+    ) -> None:
         self._engine, self._work = engine, work
         sources = find_chain(plan).sources
         if len(sources) != 1:
@@ -460,6 +464,18 @@ class NoiseLevels:
         values = work.value(scene.recipe)
         start = float(np.mean(values, dtype=np.float64)) or 1.0
         self._starts = [start, start]
+        self.measured = tuple(one for one in measured if one.variance > 0.0)
+        variance = np.array([one.variance for one in self.measured])
+        error = np.array([one.variance_error for one in self.measured])
+        self._log, self._error = np.log(variance), np.maximum(error / variance, 1e-3)
+
+    def predicted(self, plan: Plan) -> Vector:
+        return self.at(plan, [one.level for one in self.measured])
+
+    def residual(self, plan: Plan) -> Vector:
+        """Predicted less measured logarithms (variances begin orders apart), in standard errors."""
+        predicted = np.maximum(self.predicted(plan), 1e-300)
+        return np.asarray((np.log(predicted) - self._log) / self._error, np.float64)
 
     def at(self, plan: Plan, levels: Sequence[float]) -> Vector:
         """Variance of a sample at each level, random from sample to sample."""
@@ -519,22 +535,3 @@ class NoiseLevels:
         noise.require_known()
         total = noise.total
         return noise.mean, max(total.tvh, 0.0) + max(total.vh, 0.0)
-
-
-class NoiseProblem:
-    def __init__(self, levels: NoiseLevels, measured: Sequence[LevelVariance]) -> None:
-        self._levels = levels
-        self.measured = tuple(one for one in measured if one.variance > 0.0)
-        self._places = [one.level for one in self.measured]
-        variance = np.array([one.variance for one in self.measured])
-        error = np.array([one.variance_error for one in self.measured])
-        self._log = np.log(variance)
-        self._error = np.maximum(error / variance, 1e-3)
-
-    def predicted(self, plan: Plan) -> Vector:
-        return self._levels.at(plan, self._places)
-
-    def residual(self, plan: Plan) -> Vector:
-        """Predicted less measured logarithms (variances begin orders apart), in standard errors."""
-        predicted = np.maximum(self.predicted(plan), 1e-300)
-        return np.asarray((np.log(predicted) - self._log) / self._error, np.float64)

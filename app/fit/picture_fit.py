@@ -135,7 +135,6 @@ def _noise(
     engine: Engine, plan: Plan, work: Work, pictures: Sequence[Matrix]
 ) -> tuple[chain_transfer.NoiseProblem | None, str]:
     try:
-        levels = chain_transfer.NoiseLevels(engine, plan, work)
         measured: list[LevelVariance] = []
         reason = ""
         for picture in pictures:
@@ -147,7 +146,7 @@ def _noise(
             reason = reason or "no area is flat"
             return None, f"the noise of the picture is not known: {reason}"
         measured = sorted(measured, key=lambda one: -one.samples)[:_MOST_LEVELS]
-        noise = chain_transfer.NoiseProblem(levels, measured)
+        noise = chain_transfer.NoiseProblem(engine, plan, work, measured)
         noise.predicted(plan)
     except FAULTS as error:
         return None, f"the network's noise is not compared: {error}"

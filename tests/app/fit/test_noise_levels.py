@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from app.fit.chain_transfer import NoiseLevels, NoiseProblem
+from app.fit.chain_transfer import NoiseProblem
 from core.chain.engine import Engine
 from core.errors import DataError
 from core.evaluation.work import Policy
@@ -31,8 +31,12 @@ def camera():
     library = standard_library()
     made = parse_network(json.dumps(network), library=library, name_of_source="camera")
     engine = Engine(library)
-    plan = engine.plan(made)
-    return NoiseLevels(engine, plan, engine.work(Policy("double", None, 1))), plan
+    measured = [
+        LevelVariance(level, by_hand(level) * off, error * by_hand(level), 500)
+        for level, off, error in ((2000.0, 1.02, 0.02), (5000.0, 1.0, 0.01))
+    ]
+    plan, work = engine.plan(made), engine.work(Policy("double", None, 1))
+    return NoiseProblem(engine, plan, work, measured), plan
 
 
 def by_hand(level):
@@ -55,10 +59,4 @@ def test_a_level_below_no_light_is_refused(camera):
 
 def test_residuals_are_in_standard_errors(camera):
     noise, plan = camera
-    true = by_hand(2000.0)
-    measured = [
-        LevelVariance(2000.0, true * 1.02, 0.02 * true, 500),
-        LevelVariance(5000.0, by_hand(5000.0), 0.01 * by_hand(5000.0), 500),
-    ]
-    residual = NoiseProblem(noise, measured).residual(plan)
-    assert residual == pytest.approx([-np.log(1.02) / (0.02 / 1.02), 0.0], abs=0.05)
+    assert noise.residual(plan) == pytest.approx([-np.log(1.02) / (0.02 / 1.02), 0.0], abs=0.05)
