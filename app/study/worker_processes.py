@@ -39,27 +39,6 @@ class WorkerEnded(Exception):
     """Who had a batch ended before it was done."""
 
 
-class _Crew:
-    lanes: int  # how many stretches the points are parted into
-    most_ends: int  # of workers within a point, before it is the point's own fault
-    why: str  # the error of such a point
-
-    def free(self, busy: Sequence[int]) -> Iterable[int]:
-        """Lanes that can take one more batch; `busy` has the lane of each that is out."""
-        return {*range(self.lanes)} - {*busy}
-
-    def submit(self, lane: int, batch: list[Task]) -> Any:
-        """A future of the rows of the batch's first points."""
-        raise NotImplementedError
-
-    def has_ended(self, future: Any) -> bool:
-        return bool(future.done())
-
-    def rows(self, future: Any) -> list[Row]:
-        rows: list[Row] = future.result()
-        return rows
-
-
 class _Lanes:
     """A stretch of the points for each worker; who has come to its end takes half of another's.
 
@@ -96,7 +75,10 @@ class _Lanes:
 
 
 def dealt_rows(
-    workers: _Crew, tasks: Sequence[Task], figures: int, cancel: threading.Event | None
+    workers: "_Processes | _Cluster",
+    tasks: Sequence[Task],
+    figures: int,
+    cancel: threading.Event | None,
 ) -> Iterator[list[Row]]:
     """The rows of points as they come; empty ones when workers are ready.
 
@@ -155,17 +137,29 @@ def process_rows(
         processes.end()
 
 
-class _Processes(_Crew):
-    most_ends = 3
+class _Processes:
+    most_ends = 3  # of workers within a point, before it is the point's own fault
     why = f"the process computing this point stopped {most_ends} times"
 
     def __init__(self, first: bytes, count: int) -> None:
-        self.lanes = count
+        self.lanes = count  # how many stretches the points are parted into
         self._processes = [_Process(first) for _ in range(count)]
         self._threads = ThreadPoolExecutor(count)
 
+    def free(self, busy: Sequence[int]) -> Iterable[int]:
+        """Lanes that can take one more batch; `busy` has the lane of each that is out."""
+        return {*range(self.lanes)} - {*busy}
+
     def submit(self, lane: int, batch: list[Task]) -> Future[list[Row]]:
+        """A future of the rows of the batch's first points."""
         return self._threads.submit(self._processes[lane].rows, batch)
+
+    def has_ended(self, future: Any) -> bool:
+        return bool(future.done())
+
+    def rows(self, future: Any) -> list[Row]:
+        rows: list[Row] = future.result()
+        return rows
 
     def end(self) -> None:
         """Let all of them end in order, where they still listen, and start none again."""
@@ -276,7 +270,7 @@ def cluster_rows(
         yield from dealt_rows(cluster, tasks, len(setting.figures), cancel)
 
 
-class _Cluster(_Crew):
+class _Cluster:
     """The workers of a scheduler, which gives the batches of a lost one to another."""
 
     lanes = 1  # whoever is free takes the next points: each worker keeps what neighbours share
