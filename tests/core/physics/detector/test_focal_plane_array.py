@@ -139,6 +139,8 @@ def test_a_dark_corner_and_negative_samples_are_in_proportion():
     assert electrons[1] == 0.0
     assert electrons[0] < 0.0 < electrons[2]
     assert electrons[3] == pytest.approx(5.0 * 1e-15 * weights.per_radiance(np.array([5.0]))[0])
+    black = conversion_between(weights=weights, electrons_per_photon=1e-15, low=0.0, high=0.0)
+    assert black.times(np.zeros(2)).tolist() == [0.0, 0.0]
 
 
 def test_no_brightness_temperature_below_two_and_a_half_micrometres():
