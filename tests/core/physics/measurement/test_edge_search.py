@@ -7,7 +7,7 @@ import pytest
 from scipy.special import erf
 
 from core.physics.measurement.edge_search import find_edges
-from core.physics.measurement.found_edge import edge_samples
+from core.physics.measurement.found_edge import FoundEdge, edge_samples, without_those_at
 from core.physics.measurement.ridges import spread_out
 from edge_pictures import edge_picture
 from edge_truth import gaussian_edge
@@ -52,6 +52,18 @@ def test_clipped_edge():
     assert find_edges(picture=noisy_edge(noise=0.0))[0].used
     assert refused(picture, clip_levels=(0.0, 56.0)).startswith("clipped: ")
     assert find_edges(picture=picture, clip_levels=(40.0, 60.0))[0].used
+
+
+@pytest.mark.parametrize(("edges", "used"), [(6, 0), (7, 5)])
+def test_a_limit_holds_for_others_where_three_of_ten_edges_that_reach_it_show_it(edges, used):
+    picture = np.tile(np.repeat([0.0, 255.0], 10), (20, edges))
+    clipped = ["clipped: noise"] * 2 + [""] * (edges - 2)
+    found = [
+        FoundEdge(20.0 * n + 9.5, 9.5, 0.0, 16.0, 8.0, 0.0, 255.0, 1.0, not why, why)
+        for n, why in enumerate(clipped)
+    ]
+    left = without_those_at(edges=found, picture=picture, extremes=(0.0, 255.0))
+    assert sum(edge.used for edge in left) == used
 
 
 def test_edge_along_the_columns_cannot_be_supersampled():
