@@ -191,6 +191,15 @@ def test_traced_rays_and_motion(altitude, look, direction):
     assert found.velocity_m_per_s / found.range_m == pytest.approx(float(rate), rel=1e-11)
 
 
+@pytest.mark.parametrize("look", [64.5, 120.0])
+def test_a_line_of_sight_beyond_the_horizon_or_upwards_misses_the_earth(look):
+    """From 694 km the horizon is at asin(6378.137/7072.137) = 64.4°."""
+    with pytest.raises(
+        ParameterError, match=r"look_angle_deg = \S+ deg .* 0 to below 64\.4; .*misses"
+    ):
+        orbit_view(altitude_km=694.0, look_angle_deg=look)
+
+
 def test_published_orbits():
     """Pléiades, 694 km: 98.6 min; SPOT, 822 km: lines of 10 m in 1.504 ms, with Earth's turn."""
     pleiades = orbit_view(altitude_km=694.0)
