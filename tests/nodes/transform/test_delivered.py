@@ -127,8 +127,8 @@ def two_images(shape_a, shape_b, fov_b=1.0, late=False):
     rows, columns = shape_a
     fovs = {"fov_x_deg": fov_deg(columns, INTERVAL_X), "fov_y_deg": fov_deg(rows, INTERVAL_Y)}
     nodes = {
-        "a": ("read_image", {"path": "a.npy"}),
-        "b": ("read_image", {"path": "b.npy"}),
+        "a": ("read_image", {"path": "a.npy", "unit": "K"}),
+        "b": ("read_image", {"path": "b.npy", "unit": "DN"}),
         "init a": ("init_trans", {**SENSOR, **fovs}),
         "init b": ("init_trans", {**SENSOR, **{k: v * fov_b for k, v in fovs.items()}}),
         "blur": STAGES["blur"],
@@ -160,6 +160,7 @@ def test_magnitude_of_one_and_phase_of_another(tmp_path, size, late):
     assert np.abs(expected.imag).max() <= 1e-12 * np.abs(expected).max()
     assert np.abs(found - expected.real).max() <= 1e-12 * np.abs(expected).max()
     assert abs(found.mean() / a.mean() - 1) <= 1e-13
+    assert plan.nodes["back"].outputs["image"].unit == "K"  # as the levels are
 
 
 def test_two_samplings_of_one_size_are_kept_apart(tmp_path):
