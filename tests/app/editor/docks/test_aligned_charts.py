@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from PySide6.QtGui import QColor
 
 from app.editor.docks.tradeoff_plots import Graph, Span, TradeOffPlots
 from window_hands import place_in
@@ -35,3 +36,9 @@ def test_their_scales_are_in_line(plots):
             for index in range(len(GRAPHS))
         ]
         assert max(places) - min(places) < 0.01, places
+
+
+def test_a_geometric_mean_is_halfway_up_powers(plots):
+    middle = place_in(plots, 2, 0.5).toPoint()  # of 1e-9 to 1
+    ink = plots.grab().toImage().pixelColor(middle)
+    assert ink == QColor(plots.charts[2].theme.curves[2])
