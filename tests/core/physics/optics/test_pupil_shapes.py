@@ -68,6 +68,12 @@ def test_offset_of_edges_from_the_pixels_borders(shape, size, offset):
     assert edge_offset_samples(shape, rows=size, columns=size) == pytest.approx(offset, abs=1e-12)
 
 
+@pytest.mark.parametrize(("vanes", "offset"), [(3, 0.0), (4, 0.5)])
+def test_only_four_vanes_have_edges_along_columns(vanes, offset):
+    shape = PupilShape("spider", 100, vanes=vanes, vane_width=6)
+    assert edge_offset_samples(shape, rows=256, columns=255) == offset
+
+
 def test_offset_of_oversampled_edges_counts_finer_samples():
     shape = PupilShape("hinged", 250, slit_width=25.3)
     plain = edge_offset_samples(shape, rows=512, columns=512)
