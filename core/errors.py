@@ -142,7 +142,7 @@ def listed(names: Sequence[str]) -> str:
 
 _RANGE = re.compile(
     r"(?:an?|one|two|true|text|single|finite|equal|numbers?|above|below|from|within"
-    r"|at (?:least|most)|large enough)\b|[-(]?\d"
+    r"|at (?:least|most)|large enough)\b(?!\.)|[-(]?\d"
 )
 
 

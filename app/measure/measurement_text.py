@@ -124,7 +124,7 @@ def file_warnings(files: Sequence[results.PictureFile]) -> list[str]:
 
     lines = [
         f"{file.name}: {_GAMMA[file.gamma]}, but are treated as linear. If the camera applied a "
-        "gamma curve, the figures are wrong: use raw or linear samples"
+        "gamma curve, the figures are wrong. Use raw or linear samples"
         for file in files
         if file.gamma and not file.is_lossy
     ]

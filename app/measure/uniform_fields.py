@@ -309,7 +309,7 @@ def _netd_rows(response: thermal.ThermalResponse, unit: str) -> list[Row]:
     return [
         ("temperature_K", middle.temperature_K, "K",
          "middle of the temperature range, at which SiTF and NETD apply"),
-        ("sitf", middle.sitf_per_K, f"{unit}/K", "change of the mean with temperature"),
+        ("sitf", middle.sitf_per_K, f"{unit}/K", "change of the mean signal with temperature"),
         ("sitf_error", middle.sitf_error, f"{unit}/K",
          "standard error of SiTF, if the temperatures are exact"),
         ("netd_K", middle.netd_K, "K",

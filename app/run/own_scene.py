@@ -262,7 +262,7 @@ class _Replacing:
         scene_um = None if self._before is None else self._before.band_um
         if scene_um is None or (band[0] < scene_um[1] and scene_um[0] < band[1]):
             return ""
-        return f", outside the original scene's {_um(scene_um)}"
+        return f", outside the original scene's band, {_um(scene_um)}"
 
     def _relative(self, unit: str) -> dict[str, Any]:
         """Scaled so that the range of the samples becomes that of the scene before."""
@@ -501,7 +501,10 @@ def grey(array: Array) -> Array:
         )
     if array.ndim != 2:
         shape = " × ".join(map(str, array.shape))
-        raise DataError(f"an array of shape {shape}: give (rows, columns), or (rows, columns, 3)")
+        raise DataError(
+            f"an array of shape {shape} is not a picture: give (rows, columns), or "
+            "(rows, columns, 3)"
+        )
     return array
 
 

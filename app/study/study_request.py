@@ -581,5 +581,5 @@ def _setting(study: Study, workers: study_rows.Workers, policy: Policy) -> study
 def _kept(why: str, journal: study_rows.Journal, study: Study) -> str:
     return (
         f"{why}; {len(journal.rows)} of {len(study.points)} points done and saved in "
-        f"{journal.path}: give the same command again to resume"
+        f"{journal.path}. Give the same command again to resume"
     )

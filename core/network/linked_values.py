@@ -25,11 +25,12 @@ class LinkError(ParameterError):
         self, parameter: Parameter, raw: object, why: str, *, node: str | None = None
     ) -> None:
         unit = parameter.param.unit
-        must = "" if why.startswith(_ONLY) else f"; the result must be {parameter.allowed()}"
+        must = "" if why.startswith(_ONLY) else f" The result must be {parameter.allowed()}"
+        end = "." if must and not why.endswith("?") else ""
         text = expression_text(raw)
         super().__init__(parameter.name, text, parameter.allowed(), unit=unit, node=node)
         self.message = " ".join(
-            f"{parameter.name} = {shown(text)} is not allowed: {why}{must}"
+            f"{parameter.name} = {shown(text)} is not allowed: {why}{end}{must}"
             f"{f' ({unit})' if unit and must else ''}".split()
         )
         self.why = why
@@ -225,7 +226,7 @@ class _Survey:
         for loop in cycles(graph):
             way = way_round(f"{shown(node)}.{name}" for node, name in map(tuple, loop))
             for node, name in map(tuple, loop):
-                why = f"the parameter follows itself: {way}, so one of these needs a plain value"
+                why = f"the parameter follows itself: {way}. Give one of these parameters a value"
                 self._refuse((node, name), why)
 
     def evaluate(self) -> None:

@@ -25,6 +25,7 @@ def test_a_part_or_a_slip_finds_the_name(name, found):
         ("text or empty", "must be text or empty"),
         ("(3,), the shape of mtf", "must be (3,), the shape of mtf"),
         ("must be empty", "must be empty"),
+        ("a.tif has 3 bands", "a.tif has 3 bands"),
         ("the file a.tif has 3 bands", "the file a.tif has 3 bands"),
     ],
 )

@@ -110,7 +110,7 @@ def test_temperatures_become_radiance(scene_of, write, small, picture):
     now, said = scene_of("net.json", *words, *band, port="to_radiance.image")
     assert now[5, 7] == pytest.approx(planck(float(kelvin[5, 7]), 3.7, 4.8), rel=1e-5)
     assert "To Radiance (to_radiance) converts the scene to radiance" in said
-    assert "band 3.7 to 4.8 µm, outside the original scene's 8 to 12 µm" in said
+    assert "band 3.7 to 4.8 µm, outside the original scene's band, 8 to 12 µm" in said
 
 
 def test_reflectances_are_lit(scene_of, write, small, picture):

@@ -65,7 +65,7 @@ def test_one_line_says_what_is_wrong(text, part, document, small_library):
     (line,) = refusals(network, small_library)
     assert line.startswith("jitter: sigma_mrad = ")
     assert part in line
-    assert line.endswith("the result must be a number of at least 0 (mrad)")
+    assert line.endswith(" The result must be a number of at least 0 (mrad)")
     assert len(line) < 400
 
 

@@ -77,7 +77,7 @@ def test_arithmetic_and_units_are_taken_or_refused_with_why_and_what_counts(sigm
         ("init.f_number", "begin with = to link to it"),
         (
             "= 1 - init.f_number",
-            "the expression gives -1 mrad; the result must be a number of at least 0",
+            "the expression gives -1 mrad. The result must be a number of at least 0",
         ),
         ("= blur.sigma_x_mrad", "follows itself"),
     ):
