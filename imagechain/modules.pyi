@@ -61,7 +61,7 @@ def read_image(
     offset : float | Expression
         number added after scaling, in the unit of the scaled samples: a number; default 0.0
     unit : str
-        unit of the samples after scaling: text; default 'W/m²/sr'
+        unit of the samples after scaling: a text; default 'W/m²/sr'
     fov_x_deg : float | Expression | None
         horizontal field of view [deg]: a number from 0 below 180 or empty; default empty
     fov_y_deg : float | Expression | None
@@ -1917,7 +1917,7 @@ def crosstalk(
     ----------
     kernel : str
         shares of a pixel's signal that stay or leak, as 3 × 3 or 5 × 5 numbers with semicolons
-        between the rows: text; default '0 0 0; 0 1 0; 0 0 0'
+        between the rows: a text; default '0 0 0; 0 1 0; 0 0 0'
     apply : Literal['multiply', 'filter_only']
         multiply the input by the transfer function, or output the transfer function alone: one of
         multiply, filter_only; default 'multiply'

@@ -128,7 +128,7 @@ def test_stopped_it_says_what_is_kept_and_goes_on(sensor, begun, imagechain, row
     assert (child.returncode, out) == (1, "")
     kept = len(_lines(tmp_path / "b.csv.journal")) - 1
     assert line == (
-        f"imagechain: stopped; {kept} of 40 points done and saved in b.csv.journal: give "
+        f"imagechain: stopped; {kept} of 40 points done and saved in b.csv.journal. Give "
         "the same command again to resume\n"
     )
     assert len(workers) == 2
