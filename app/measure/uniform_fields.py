@@ -157,8 +157,8 @@ def _of_transfer(
         fact = {"file": str(path), **{name: getattr(field, name) for name in _OF_LEVEL}}
         fact |= {"bad_pixels": field.bad, "structure_share": field.structure_share}
         facts.append(fact | {"used": used, "saturated": saturated})
-        table.append((f"{path.name}: mean_dn", field.mean_dn, "DN", "mean of a level"))
-        meaning = "temporal variance of a level"
+        table.append((f"{path.name}: mean_dn", field.mean_dn, "DN", "mean of this level"))
+        meaning = "temporal variance of this level"
         table.append((f"{path.name}: temporal_dn2", field.temporal_dn2, "DN²", meaning))
         # Of saturated ones it says nothing.
         if field.structure_share > _MOSTLY and not saturated:

@@ -80,7 +80,7 @@ _FOCAL_PLANE: Rows = (
 _MICROBOLOMETER: Rows = (
     ("Spectral band", BAND, "µm"),
     ("NETD in the data sheet", "netd_mK", "mK"),
-    ("at F-number", "reference_f_number", ""),
+    ("F-number for this NETD", "reference_f_number", ""),
     ("Transmission of the optics", "optics_transmission", ""),
     ("Thermal time constant", "time_constant_s", "s"),
     ("Frame rate", "frame_rate_Hz", "Hz"),
@@ -88,7 +88,7 @@ _MICROBOLOMETER: Rows = (
     ("White noise", "white_netd_K", "K"),
     ("1/f noise", "flicker_K", "K"),
     ("Fixed pattern", "fixed_pattern_K", "K"),
-    ("Lag after one frame", "lag_percent", "%"),
+    ("Lag (change remaining after one frame)", "lag_percent", "%"),
     ("SNR", "snr", ""),
 )
 _LIGHT: Rows = (

@@ -227,7 +227,9 @@ class _Replacing:
         band = own.band_um or header_band(info, 0) or (None if before is None else before.band_um)
         if band is not None:
             values |= {"cut_on_um": band[0], "cut_off_um": band[1]}
-            found = " from the file's header" if header_band(info, 0) else " as before"
+            found = (
+                " from the file's header" if header_band(info, 0) else " as in the original scene"
+            )
             whose = "" if own.band_um else found
             self._where.append(f"band {_um(band)}{whose}{self._outside(band)}")
         radiance = _radiance(unit)

@@ -132,8 +132,8 @@ def listed_points(
     lines = [line for line in csv.reader(io.StringIO(text)) if any(cell.strip() for cell in line)]
     if len(lines) < 2:
         raise FileError(
-            f"{name}: the first line must name the parameters as NODE.PARAM, and each further line "
-            "must give one point"
+            f"{name}: fewer than two lines. The first line must name the parameters as NODE.PARAM, "
+            "and each further line must give one point"
         )
     heads = [plain_cell(head.strip()) for head in lines[0]]
     labels = [head.partition(" (")[0] for head in heads]

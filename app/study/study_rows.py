@@ -84,7 +84,7 @@ class Workers:
         what = f"--scheduler {scheduler:.120}"
         if not has_dask():
             raise errors.UsageError(
-                f"{what}: dask and distributed are not installed: {errors.how_to_install('study')}"
+                f"{what} needs the packages dask and distributed: {errors.how_to_install('study')}"
             )
         from distributed import Security
         from distributed.comm.addressing import parse_host_port
@@ -392,7 +392,7 @@ def check_installed(path: Path) -> None:
         missing = [name for name in packages if importlib.util.find_spec(name) is None]
         if file_format.matches(path) and missing:
             raise errors.UsageError(
-                f"--output {path}: {path.suffix} needs {' and '.join(missing)}: "
+                f"--output {path} needs {' and '.join(missing)}: "
                 f"{errors.how_to_install('study')}; .csv needs no other package"
             )
 

@@ -316,7 +316,7 @@ def _parsed(raw: Mapping[str, Any], parameter: Parameter) -> expressions.Express
     if len(raw) > 1:
         others = ", ".join(shown(name) for name in raw if name != EXPRESSION)
         raise expressions.ExpressionError(
-            f"remove {others:.80}: only the expression itself is allowed"
+            f"only the field {EXPRESSION} is allowed; remove {others:.80}"
         )
     if parameter.kind not in ("number", "integer"):
         raise expressions.ExpressionError(

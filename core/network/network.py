@@ -265,7 +265,7 @@ def check_seed(seed: object) -> None:
 def cycle_error(loop: tuple[str, ...]) -> NetworkError:
     """The error for links that form a cycle, placed on its first node."""
     way = way_round(loop)
-    return NetworkError(f"the links form a cycle: {way}; remove one of them", node=loop[0])
+    return NetworkError(f"the links form a cycle: {way}; remove one of these links", node=loop[0])
 
 
 def way_round(loop: Iterable[str]) -> str:

@@ -88,8 +88,8 @@ def row_average(
     right = right if clip_right is None else clip_right
     if not 0 <= left < right < columns:
         raise DataError(
-            f"the edge cannot extend from sample {left} to {right}: the first must be below the "
-            f"last, and both must be within 0 to {columns - 1}"
+            f"the edge cannot extend from sample {left} to {right}: the first sample must be "
+            f"before the last, and both samples within 0 to {columns - 1}"
         )
     clipped = with_level_ends(profile=profile, left=left, right=right)
     mtf = profile_mtf(profile=clipped, target=target)

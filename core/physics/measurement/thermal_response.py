@@ -110,7 +110,7 @@ def thermal_response(fields: Sequence[ThermalField]) -> ThermalResponse:
     falls = np.diff(means)[later] * rise[0] <= 0.0
     if not abs(rise[0]) > _LEAST_RISE * of_rise[0] or falls.any() or (slope * rise[0] <= 0.0).any():
         raise DataError(
-            "the mean must rise or fall steadily with temperature, by more than its noise; "
+            "the mean signal must rise or fall steadily with temperature, by more than its noise; "
             "the means are "
             + ", ".join(f"{mean:.6g} at {at:.6g} K" for mean, at in zip(means, kelvin, strict=True))
         )

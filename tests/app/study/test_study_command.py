@@ -121,9 +121,7 @@ def test_tables_of_other_programs(sensor, study, rows_of, tmp_path):
 def test_without_dask_one_line_names_the_extra(monkeypatch, sensor, fails):
     monkeypatch.setattr("app.study.study_rows.has_dask", lambda: False)
     line = fails("study", sensor, SIGMA, NER, "--output", "a.csv", "--scheduler", "tcp://x:1")
-    assert (
-        "dask and distributed are not installed: run pip install '.[study]' in Imagechain's" in line
-    )
+    assert "needs the packages dask and distributed: run pip install '.[study]' in" in line
 
 
 USAGE = {

@@ -109,7 +109,7 @@ def test_only_numbers_follow(place, allowed, document, small_library):
 def test_what_is_no_expression_is_refused(document, small_library):
     for raw, part in (
         ({"expression": 5}, "an expression must be text"),
-        ({"expression": "1", "more": 2}, "remove more: only the expression itself is allowed"),
+        ({"expression": "1", "more": 2}, "only the field expression is allowed; remove more"),
         ({"other": "1"}, "a number of at least 0"),
     ):
         network = linked(document, small_library, jitter__sigma_mrad=raw)

@@ -103,7 +103,7 @@ FAULTS = [
         "look: the input picture has 2 links (add noise.image, scene.image); only one is allowed",
     ),
     (_more(("scene.image", "init.image")), "init: the input image has 2 links (scene.image, scene"),
-    (CYCLE, "more: the links form a cycle: more → again → more; remove one of them"),
+    (CYCLE, "more: the links form a cycle: more → again → more; remove one of these links"),
     (MISSING_INPUT, "jitter: the input magnitude needs a link that carries magnitude"),
     (
         _both(
