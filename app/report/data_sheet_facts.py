@@ -68,7 +68,7 @@ _FOCAL_PLANE: Rows = (
     ("Dynamic range (EMVA 1288)", "emva_dynamic_range_dB", "dB"),
     ("SNR", "snr", ""),
     ("Largest SNR (shot noise at saturation)", "snr_max", ""),
-    ("Largest SNR", "snr_max_dB", "dB"),
+    ("Largest SNR (shot noise at saturation)", "snr_max_dB", "dB"),
     ("Absolute sensitivity threshold", "sensitivity_threshold_photons", "photons"),
     ("Radiance at saturation", "saturation_radiance", "W/m²/sr"),
     *((f"SNR at {p} % of saturation", f"snr_at_{p}_percent", "") for p in SNR_AT_PERCENT),
