@@ -138,7 +138,7 @@ def test_a_picture_without_an_edge_says_so(fails, works, tmp_path):
         (("a.npy", "b.npy"),
          "b.npy has 20 × 30 samples, but a.npy has 200 × 160. Give pictures from one camera"),
         (("whole.npy", "bytes.npy"),
-         "bytes.npy stores whole numbers from 0 to 255, but whole.npy from 0 to 65535: give "
+         "bytes.npy stores whole numbers from 0 to 255, but whole.npy from 0 to 65535. Give "
          "pictures from one camera, stored the same way"),
         (("nan.npy",), "nan.npy: 1 sample is not finite (NaN or infinite), the first (nan)"
          " at row 3, column 4; replace these samples with one number, such as 0; constant areas "
