@@ -179,7 +179,7 @@ def test_streams_of_other_names_are_independent():
 def test_means_that_are_none_are_refused(bad):
     mean = np.ones((3, 4))
     mean[1, 2] = bad
-    with pytest.raises(DataError, match=r"1 of 12 samples .* at \(1, 2\)"):
+    with pytest.raises(DataError, match=r": 1 of 12; .* at \(1, 2\)"):
         poisson_field(mean, stream())
 
 
