@@ -132,7 +132,7 @@ def test_rounding_below_zero_is_zero_and_more_is_refused(picture):
     picture[1, 1] = -1e-7
     assert published_means(picture, percent=1.0)[1, 1] == 0.0
     picture[1, 1] = -0.1
-    with pytest.raises(DataError, match="1 of 20 means"):
+    with pytest.raises(DataError, match="Means below 0: 1 of 20"):
         photon_means(picture, photons_per_unit=10.0)
     picture[1, 1] = np.nan
     with pytest.raises(DataError, match="not finite"):
