@@ -183,9 +183,8 @@ class SceneStore(Store):
             return set(self._values)
 
     def forget_all_but(self, keys: set[str]) -> None:
-        with self._lock:
-            for key in [key for key in self._values if key not in keys]:
-                self._bytes -= self._values.pop(key)[1]
+        for key in self.keys() - keys:
+            self.drop(key)
 
 
 class Chain:

@@ -104,21 +104,21 @@ def evaluate(engine: Engine, plan: Plan, work: TimedWork) -> Evaluation:
     start = time.perf_counter()
     chain = find_chain(plan)
     sources, outputs, figures, checks = _read(engine, plan)
-    with work.hold(_recipes(plan, chain.final, sources, outputs, figures, checks)) as held:
+    with work.hold(_recipes(plan, chain.final, sources, outputs, figures, checks)) as release:
         for port, recipes in sources.items():
             with placed(port.rpartition(".")[0]):
                 check_finite(work.value(plan.output(port).recipe), port)
-            held.release(recipes)
+            release(recipes)
         checked = time.perf_counter()
         cautions = tuple(engine.warnings(plan, work))
-        held.release(checks[""])
+        release(checks[""])
         for port, recipes in outputs.items():
             _evaluate_output(plan, port, work)
-            held.release(recipes)
+            release(recipes)
         readouts = {}
         for name, recipes in figures.items():
             readouts[name] = engine.readouts(plan, name, work)
-            held.release(recipes)
+            release(recipes)
         chain_responses = responses(chain, work)
         if chain.final is not None:
             engine.value(plan, chain.final, work)

@@ -241,12 +241,12 @@ class Engine:
         """Values of a node's read-outs by name; of those in `names`, if given."""
         values = self.planned_readouts(plan, node, names)
         recipes = [value for value in values.values() if isinstance(value, Recipe)]
-        with work.hold(recipes) as held:
+        with work.hold(recipes) as release:
             for name, value in values.items():
                 if isinstance(value, Recipe):
                     with watched(node):
                         values[name] = work.value(value)
-                    held.release([value])
+                    release([value])
         return values
 
     def why_none(self, plan: Plan, node: str, work: Work, name: str) -> str:

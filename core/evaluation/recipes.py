@@ -501,17 +501,13 @@ class Store:
         self._values: OrderedDict[str, tuple[Any, int]] = OrderedDict()
         self._pinned: dict[str, tuple[Any, int]] = {}
         self._pins: dict[str, int] = {}
-        self._bytes = 0
+        self.used_bytes = 0
         self._lock = threading.Lock()
         self._running: WeakValueDictionary[str, Any] = WeakValueDictionary()
         """Locks of the keys that are under computation, as long as a thread holds or awaits one."""
 
     def __len__(self) -> int:
         return len(self._values) + len(self._pinned)
-
-    @property
-    def used_bytes(self) -> int:
-        return self._bytes
 
     @property
     def pinned(self) -> int:
@@ -550,7 +546,7 @@ class Store:
             del self._pins[key]
             entry = self._pinned.pop(key, None)
             if entry is not None:
-                self._bytes -= entry[1]
+                self.used_bytes -= entry[1]
                 self._keep(key, *entry)
 
     def get(self, key: str, compute: Callable[[], Any]) -> Any:
@@ -577,24 +573,24 @@ class Store:
 
     def drop(self, key: str) -> None:
         with self._lock:
-            self._bytes -= self._values.pop(key, (None, 0))[1]
+            self.used_bytes -= self._values.pop(key, (None, 0))[1]
 
     def clear(self) -> None:
         with self._lock:
             self._values.clear()
             self._pinned.clear()
-            self._bytes = 0
+            self.used_bytes = 0
 
     def _put(self, key: str, value: Any) -> None:
         size = size_in_bytes(value)
         with self._lock:
             for entries in (self._values, self._pinned):
-                self._bytes -= entries.pop(key, (None, 0))[1]
+                self.used_bytes -= entries.pop(key, (None, 0))[1]
             if key not in self._pins:
                 self._keep(key, value, size)
                 return
             self._pinned[key] = (value, size)
-            self._bytes += size
+            self.used_bytes += size
             self._make_room()
 
     def _keep(self, key: str, value: Any, size: int) -> None:
@@ -604,10 +600,10 @@ class Store:
         """
         if size <= self.capacity_bytes and not is_on_disk(value):
             self._values[key] = (value, size)
-            self._bytes += size
+            self.used_bytes += size
             self._make_room()
 
     def _make_room(self) -> None:
-        while self._bytes > self.capacity_bytes and self._values:
+        while self.used_bytes > self.capacity_bytes and self._values:
             _, (_, dropped) = self._values.popitem(last=False)
-            self._bytes -= dropped
+            self.used_bytes -= dropped

@@ -158,13 +158,21 @@ class Work:
             self._claims.settle(recipe)  # another thread has made it
         return value
 
-    def hold(self, recipes: Iterable[Recipe]) -> "Held":
+    @contextmanager
+    def hold(self, recipes: Iterable[Recipe]) -> Iterator[Callable[[Iterable[Recipe]], None]]:
         """Hold values that will be read one after the other, and what they are made of.
 
-        Written ``with work.hold(recipes) as held:``. Each is let go of once `Held.release` reports
+        Written ``with work.hold(recipes) as release:``. Each is let go of once `release` reports
         that it has been read, the rest when the block ends.
         """
-        return Held(self._claims, recipes)
+        left: dict[str, list[Recipe]] = {}
+        for recipe in recipes:
+            left.setdefault(recipe.key, []).append(recipe)
+        self._claims.take(one for alike in left.values() for one in alike)
+        try:
+            yield lambda read: self._claims.give_up([left[one.key].pop() for one in read])
+        finally:
+            self._claims.give_up(one for alike in left.values() for one in alike)
 
     def one_by_one(
         self, recipes: Iterable[Recipe], region: Region | None = None, *, forgetting: bool = False
@@ -173,22 +181,50 @@ class Work:
 
         `forgetting` drops what was made for one alone: any number takes the memory of a few.
         """
-        opened: list[Held] = []
+        held: list[Recipe] = []
         before: Recipe | None = None
-        passing = PassingValues(self.store, self.log, self._suffix) if forgetting else None
+        forget = self._forgetting() if forgetting else None
         try:
             for recipe in chain(recipes, [None]):
                 if recipe is not None:
-                    opened.append(self.hold([recipe]))
+                    self._claims.take([recipe])
+                    held.append(recipe)
                 if before is not None:
                     yield self.value(before) if region is None else self.part(before, region)
-                    opened.pop(0).close()
-                    if passing is not None and recipe is not None:
-                        passing.forget()
+                    self._claims.give_up([held.pop(0)])
+                    if forget is not None and recipe is not None:
+                        forget()
                 before = recipe
         finally:
-            for held in opened:
-                held.close()
+            self._claims.give_up(held)
+
+    def _forgetting(self) -> Callable[[], None]:
+        """Drops what has been made since the last call, or the first, and is not held.
+
+        What is made a second time right after it was dropped is shared by all of a row: it stays.
+        """
+        log = self.log
+        computed, looked_at = set(log.computed), set(log.looked_at)
+        pictures: tuple[dict[Any, Recipe], ...] = log.requested, log.parts
+        known = [(notes, set(notes)) for notes in pictures]
+        dropped: set[str | tuple[str, Region]] = set()
+
+        def forget() -> None:
+            made = log.computed - computed
+            computed.update(made & dropped)
+            once = made - dropped
+            dropped.clear()
+            dropped.update(once)
+            for one in once:
+                key, region = (one, "") if isinstance(one, str) else (one[0], f"/{one[1]}")
+                self.store.drop(f"{key}{self._suffix}{region}")
+            log.computed &= computed
+            for notes, before in known:
+                for one in notes.keys() - before:
+                    del notes[one]
+            log.looked_at &= looked_at
+
+        return forget
 
     def forget(self, keys: Iterable[str]) -> None:
         """Drop the values of recipes with these keys, and all parts that this evaluation made."""
@@ -385,7 +421,7 @@ class Claims:
 
     def __init__(self, store: Store, suffix: str) -> None:
         self._store, self._suffix = store, suffix
-        self._lock = threading.Lock()
+        self._lock = threading.RLock()
         self._count: dict[str, int] = {}
         self.waiting: dict[str, tuple[Recipe, ...]] = {}
         """Recipes still to be made, by key, with what each of them claims."""
@@ -395,117 +431,52 @@ class Claims:
         with self._lock:
             if recipe.key not in self.waiting:
                 needs = recipe.needs
-                self._take(needs)
+                self.take(needs)
                 self.waiting[recipe.key] = needs
 
     def settle(self, recipe: Recipe) -> None:
         """Give up what a recipe claims: it has been made, or will not be."""
         with self._lock:
-            self._give_up(self.waiting.pop(recipe.key, ()))
+            self.give_up(self.waiting.pop(recipe.key, ()))
 
     def take(self, recipes: Iterable[Recipe]) -> None:
-        with self._lock:
-            self._take(recipes)
-
-    def give_up(self, recipes: Iterable[Recipe]) -> None:
-        with self._lock:
-            self._give_up(recipes)
-
-    def _take(self, recipes: Iterable[Recipe]) -> None:
         """Count a claim on each of these; where one fails, none of them is counted."""
         coming = list(recipes)
         counted: list[str] = []
         begun: set[str] = set()
-        try:
-            while coming:
-                recipe = coming.pop()
-                key = recipe.key
-                claims = self._count.get(key, 0)
-                there = claims > 0 or self._store.pin(key + self._suffix)
-                self._count[key] = claims + 1
-                counted.append(key)
-                if there or key in self.waiting:
-                    continue
-                needs = recipe.needs
-                if needs:
-                    self.waiting[key] = needs
-                    begun.add(key)
-                    coming += needs
-        except BaseException:
-            self._uncount(counted)
-            for key in begun:
-                del self.waiting[key]
-            raise
+        with self._lock:
+            try:
+                while coming:
+                    recipe = coming.pop()
+                    key = recipe.key
+                    claims = self._count.get(key, 0)
+                    there = claims > 0 or self._store.pin(key + self._suffix)
+                    self._count[key] = claims + 1
+                    counted.append(key)
+                    if not there and key not in self.waiting and (needs := recipe.needs):
+                        self.waiting[key] = needs
+                        begun.add(key)
+                        coming += needs
+            except BaseException:
+                for key in begun:
+                    del self.waiting[key]
+                for key in counted:
+                    self._uncount(key)
+                raise
 
-    def _uncount(self, keys: Iterable[str]) -> None:
-        """Take back one claim on each of these alone, not on what it needs."""
-        for key in keys:
-            self._count[key] -= 1
-            if not self._count[key]:
-                del self._count[key]
-                self._store.unpin(key + self._suffix)
-
-    def _give_up(self, recipes: Iterable[Recipe]) -> None:
+    def give_up(self, recipes: Iterable[Recipe]) -> None:
         going = list(recipes)
-        while going:
-            key = going.pop().key
-            claims = self._count[key] - 1
-            if claims:
-                self._count[key] = claims
-                continue
-            del self._count[key]
-            self._store.unpin(key + self._suffix)
-            going += self.waiting.pop(key, ())
+        with self._lock:
+            while going:
+                key = going.pop().key
+                if self._uncount(key):
+                    going += self.waiting.pop(key, ())
 
-
-class Held:
-    """Values held for reads to come, until each has been released or the block ends."""
-
-    def __init__(self, claims: Claims, recipes: Iterable[Recipe]) -> None:
-        self._claims = claims
-        self._left: dict[str, list[Recipe]] = {}
-        for recipe in recipes:
-            self._left.setdefault(recipe.key, []).append(recipe)
-        claims.take([recipe for alike in self._left.values() for recipe in alike])
-
-    def release(self, recipes: Iterable[Recipe]) -> None:
-        self._claims.give_up([self._left[recipe.key].pop() for recipe in recipes])
-
-    def __enter__(self) -> "Held":
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
-
-    def close(self) -> None:
-        left, self._left = self._left, {}
-        self._claims.give_up([recipe for alike in left.values() for recipe in alike])
-
-
-class PassingValues:
-    """What each recipe of a row leaves in store and log, beyond what was there before the row.
-
-    What is made a second time right after it was dropped is shared by all of the row: it stays.
-    """
-
-    def __init__(self, store: Store, log: EvaluationLog, suffix: str) -> None:
-        self._store, self._log, self._suffix = store, log, suffix
-        self._computed = set(log.computed)
-        self._requested, self._parts = set(log.requested), set(log.parts)
-        self._looked_at = set(log.looked_at)
-        self._dropped: set[str | tuple[str, Region]] = set()
-
-    def forget(self) -> None:
-        """Drop what has been made since the last call and is not held for what comes."""
-        made = self._log.computed - self._computed
-        self._computed |= made & self._dropped
-        self._dropped = made - self._dropped
-        for one in self._dropped:
-            key, region = (one, "") if isinstance(one, str) else (one[0], f"/{one[1]}")
-            self._store.drop(f"{key}{self._suffix}{region}")
-        self._log.computed &= self._computed
-        for whole in self._log.requested.keys() - self._requested:
-            del self._log.requested[whole]
-        for part in self._log.parts.keys() - self._parts:
-            del self._log.parts[part]
-        self._log.looked_at &= self._looked_at
+    def _uncount(self, key: str) -> bool:
+        """Take back one claim, not those on what is needed for it; whether it was the last."""
+        self._count[key] -= 1
+        if self._count[key]:
+            return False
+        del self._count[key]
+        self._store.unpin(key + self._suffix)
+        return True

@@ -333,14 +333,14 @@ class NoiseOf(Recipe):
             )
         without = noise_free(picture)
         alone = [one.pattern and noise_free(picture, but=one.pattern) for one in noises]
-        with work.hold([without, *(one for one in alone if one is not None)]) as held:
+        with work.hold([without, *(one for one in alone if one is not None)]) as release:
             clean = work.value(without)
 
             def seen(noise: Noise, recipe: Recipe | None) -> Noise:
                 if recipe is None:
                     return noise
                 pattern = np.subtract(work.value(recipe), clean, dtype=float)
-                held.release([recipe])
+                release([recipe])
                 return replace(noise, power=NoisePower.of_pattern(pattern))
 
             return [seen(*pair) for pair in zip(noises, alone, strict=True)]

@@ -78,10 +78,10 @@ class TestOnce:
     def test_asks_that_are_announced(self):
         work, ask = Counting(), diamonds(3)
         others = [Step.of(whole_mean, ask), Step.of(plus, ask, more=5.0)]
-        with work.hold([ask, *others]) as held:
+        with work.hold([ask, *others]) as release:
             for recipe in (ask, *others):
                 work.value(recipe)
-                held.release([recipe])
+                release([recipe])
         assert set(work.times.values()) == {1}
         assert work.nothing_left()
 
