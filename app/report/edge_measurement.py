@@ -130,12 +130,12 @@ class _Chain:
             if recipe.key == self.scene.recipe.key:
                 return self.edge(angle_deg)
             lineage = lineage_of(recipe)
-            if lineage is None or lineage.noise is None:
+            if lineage is None or lineage.noise is None or lineage.picture is None:
                 return None
             if lineage.linear.by_chance:
                 raise DataError(lineage.linear.by_chance)
             self._silenced.add(recipe.node or "")
-            return made.of(lineage.noise.picture)
+            return made.of(lineage.picture)
 
         made = Remaking(change)
         return self.final.with_recipe(made.of(self.final.recipe))

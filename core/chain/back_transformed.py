@@ -53,9 +53,7 @@ def back_transform(magnitude: Magnitude, phase: Phase, *, node: str | None = Non
 
 def _bands_of(recipe: "Delivered") -> "DeliveredBands | None":
     before = recipe.magnitude.image.bands if recipe.magnitude.image is not None else None
-    if before is None or not recipe.one_source:
-        return None
-    return DeliveredBands.of(before, recipe)
+    return None if before is None or not recipe.one_source else DeliveredBands.of(recipe)
 
 
 @dataclass(frozen=True, eq=False)
@@ -277,27 +275,26 @@ class Delivered(Recipe):
 class DeliveredBands(BandStack):
     """Bands behind a back transform: each sum of them is filtered as one picture."""
 
-    before: BandStack
     delivered: Delivered
 
     @classmethod
-    def of(cls, before: BandStack, delivered: Delivered) -> "DeliveredBands":
-        plain = replace(delivered, weights=None)
-        return cls(before.centres_um, before.widths_um, before, plain, density=before.density)
+    def of(cls, delivered: Delivered) -> "DeliveredBands":
+        before, plain = delivered.bands, replace(delivered, weights=None)
+        return cls(before.centres_um, before.widths_um, plain, density=before.density)
 
     @property
     def in_blocks(self) -> bool:
-        return self.before.in_blocks and self.picture(self.whole).in_blocks
+        return self.delivered.bands.in_blocks and self.picture(self.whole).in_blocks
 
     def _content(self) -> tuple[object, ...]:
-        return self.before.key, self.delivered.key
+        return self.delivered.bands.key, self.delivered.key
 
     def picture(self, weights: Row) -> Recipe:
         return replace(self.delivered, weights=weights)
 
     def means(self) -> Recipe:
         """Means of the bands before: no transfer function changes them."""
-        return self.before.means()
+        return self.delivered.bands.means()
 
 
 def combine_pixels(
@@ -435,7 +432,7 @@ class Delivery(step_lineage.Linear):
         return step_lineage.Filtering(factors, magnitude.grid, self.recipe.edges)
 
     @property
-    def _pixels(self) -> step_lineage.Blocks | step_lineage.PixelSamples:
+    def _pixels(self) -> step_lineage.Pixels:
         recipe = self.recipe
         if recipe.sampled is not None:
             return recipe.sampled
@@ -484,10 +481,7 @@ class Delivery(step_lineage.Linear):
 
         A spectrum's frequencies may be in units of its own, such as cycles a sample.
         """
-        recipe, before = self.recipe, self.recipe.magnitude.grid
-        samples: tuple[float, float] = (recipe.factor_x, recipe.factor_y)
-        if recipe.sampled is not None:
-            samples = recipe.sampled.ratio_x, recipe.sampled.ratio_y
-        x = grid.interval_x_mrad / (before.interval_x_mrad * samples[0])
-        y = grid.interval_y_mrad / (before.interval_y_mrad * samples[1])
+        before, (across, along) = self.recipe.magnitude.grid, self._pixels.samples
+        x = grid.interval_x_mrad / (before.interval_x_mrad * across)
+        y = grid.interval_y_mrad / (before.interval_y_mrad * along)
         return (x, y) if max(abs(x - 1.0), abs(y - 1.0)) > 1e-9 else None

@@ -543,10 +543,7 @@ class Remaking:
         if isinstance(bands, DeliveredBands):
             delivered = self.of(bands.delivered)
             assert isinstance(delivered, Delivered)
-            image = delivered.magnitude.image
-            assert image is not None
-            assert image.bands is not None
-            return DeliveredBands.of(image.bands, delivered)
+            return DeliveredBands.of(delivered)
         if isinstance(bands, AttenuatedBands | SteppedBands):
             return replace(bands, before=self._bands(bands.before))
         return bands

@@ -173,8 +173,29 @@ class Filtering(Linear):
         return np.asarray(kernels.irfft(spectrum, len(whole))[: len(row)], np.float64)
 
 
+class Pixels(Linear, ABC):
+    """Pixels of so many `samples` across and along of a picture of the `old` size."""
+
+    old: tuple[int, int]
+
+    @property
+    @abstractmethod
+    def samples(self) -> tuple[float, float]: ...
+
+    @property
+    def combines_pixels(self) -> bool:
+        return True
+
+    def size_before(self, rows: int, columns: int) -> tuple[int, int]:
+        return self.old
+
+    def grid_before(self, grid: Grid) -> Grid:
+        across, along = self.samples
+        return Grid(*self.old, grid.interval_x_mrad / across, grid.interval_y_mrad / along)
+
+
 @dataclass(frozen=True)
-class Blocks(Linear):
+class Blocks(Pixels):
     """Mean or sum of blocks of a picture of the `old` size; what is left over is cropped."""
 
     factor_x: int
@@ -187,15 +208,8 @@ class Blocks(Linear):
         return self.factor_x * self.factor_y if self.mode == "sum" else 1.0
 
     @property
-    def combines_pixels(self) -> bool:
-        return True
-
-    def size_before(self, rows: int, columns: int) -> tuple[int, int]:
-        return self.old
-
-    def grid_before(self, grid: Grid) -> Grid:
-        x, y = grid.interval_x_mrad / self.factor_x, grid.interval_y_mrad / self.factor_y
-        return Grid(*self.old, x, y)
+    def samples(self) -> tuple[float, float]:
+        return self.factor_x, self.factor_y
 
     def transfer(self, before: Grid, after: Grid, node: str | None) -> tuple[Factor, ...]:
         if (self.factor_x, self.factor_y) == (1, 1):
@@ -246,7 +260,7 @@ class LineOperator(Linear, ABC):
 
 
 @dataclass(frozen=True)
-class PixelSamples(Linear):
+class PixelSamples(Pixels):
     """One sample for each pixel of a frame, at its middle.
 
     Between samples the frame is that of its waves, exactly, so nothing is lost of the contrast of
@@ -292,15 +306,8 @@ class PixelSamples(Linear):
         )
 
     @property
-    def combines_pixels(self) -> bool:
-        return True
-
-    def size_before(self, rows: int, columns: int) -> tuple[int, int]:
-        return self.old
-
-    def grid_before(self, grid: Grid) -> Grid:
-        x, y = grid.interval_x_mrad / self.ratio_x, grid.interval_y_mrad / self.ratio_y
-        return Grid(*self.old, x, y)
+    def samples(self) -> tuple[float, float]:
+        return self.ratio_x, self.ratio_y
 
     def transfer(self, before: Grid, after: Grid, node: str | None) -> tuple[Factor, ...]:
         """No contrast is lost; an offset moves the picture."""
@@ -406,7 +413,7 @@ _POSITIONAL = (Parameter.POSITIONAL_ONLY, Parameter.POSITIONAL_OR_KEYWORD)
 
 @dataclass(frozen=True)
 class Noises:
-    """What a step adds: `at` gives the noises where the step is, which are added to `picture`.
+    """What a step adds: `at` gives the noises where the step is, which are added to its picture.
 
     `on` is the step on another picture, `free` what takes its place on a picture without noise; if
     it `leaves_change`, that makes the step's linear change too. `in_blocks`: whether `at` is marked
@@ -416,7 +423,6 @@ class Noises:
     at: Callable[[AtStep], list[Noise]]
     on: Callable[[Recipe], Recipe]
     free: Callable[[Recipe], Recipe]
-    picture: Recipe
     leaves_change: bool = False
     in_blocks: bool = False
 
@@ -499,7 +505,7 @@ def picture_step(
                 return replace(made, node=step.node)
 
             blocks = hasattr(noise, "in_blocks")
-            return Noises(at, on, free, inputs[place], noise_free is not None, blocks)
+            return Noises(at, on, free, noise_free is not None, blocks)
 
         return marked(lineage=lineage)(function)
 

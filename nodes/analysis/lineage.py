@@ -487,9 +487,9 @@ def noise_free(recipe: Recipe, *, but: Recipe | None = None) -> Recipe:
 
     def change(part: Recipe) -> Recipe | None:
         lineage = lineage_of(part)
-        if lineage is None or lineage.noise is None:
+        if lineage is None or lineage.noise is None or lineage.picture is None:
             return None
-        picture = made.of(lineage.noise.picture)
+        picture = made.of(lineage.picture)
         alone = but is not None and part.key == but.key
         return lineage.noise.on(picture) if alone else lineage.noise.free(picture)
 
