@@ -23,7 +23,6 @@ from core.physics.acquisition.mrtd import (
 )
 from core.physics.acquisition.target_acquisition import (
     CYC_PER_DEG,
-    TtpThreshold,
     eye_contrast_threshold,
     system_contrast_threshold,
     thermal_contrast,
@@ -348,7 +347,9 @@ def acquisition(
     )
     turned = None if spectrum is None else spectrum.T
     limits = [
-        TtpThreshold(frequency, _contrast_threshold(task, noise, frequency, *seen))
+        target_acquisition.ttp_values(
+            frequency=frequency, ctf=_contrast_threshold(task, noise, frequency, *seen)
+        )
         for seen in (
             (thresholds.horizontal, thresholds.mtf_x, nyquist, spectrum),
             (thresholds.vertical, thresholds.mtf_y, nyquist[::-1], turned),
@@ -358,7 +359,7 @@ def acquisition(
     def ttp(range_m: Any) -> Any:
         apparent = np.abs(task.apparent_K(range_m, noise.background_K))
         contrast = thermal_contrast(difference_K=apparent, scene_contrast_K=task.scene_contrast_K)
-        across, along = (limit.value(contrast, task.size_m**2, range_m) for limit in limits)
+        across, along = (limit(contrast, task.size_m**2, range_m) for limit in limits)
         return target_acquisition.ttp_probability(
             value=np.sqrt(across) * np.sqrt(along), v50=task.v50
         )

@@ -438,8 +438,8 @@ def thermal_contrast(*, difference_K: ArrayLike, scene_contrast_K: ArrayLike) ->
         return (difference / scene / 2.0)[()]
 
 
-class TtpThreshold:
-    """A contrast threshold with its sums: TTP values V of targets of many contrasts.
+def ttp_values(*, frequency: ArrayLike, ctf: ArrayLike) -> Callable[..., Any]:
+    """TTP values V of targets of many contrasts, by the sums of a contrast threshold.
 
     Parameters
     ----------
@@ -449,50 +449,48 @@ class TtpThreshold:
         Contrast threshold function of sensor and eye at them, zero or above, shape (n,): zero at
         the first only, infinite where nothing is seen.
 
+    Returns
+    -------
+    callable
+        V = √A/R·∫√(C/CTF) df over all frequencies at which C is above CTF, of contrasts C at the
+        sensor, in the unit of the threshold (an apparent temperature difference, where that is an
+        MRTD), areas A in m² and ranges R in m, which broadcast.
+
     Source: Vollmerhausen, Jacobs and Driggers 2004, Opt. Eng. 43, 2806 (the equation's number could
     not be checked); the bounds of the sum are where C = CTF. With thresholds across and along, V is
     the root of the product of both. Samples are joined as in `interpolated`. The sum is
     Gauss-Legendre's between neighbouring frequencies, and the places where C = CTF, of which there
     may be one between two.
     """
+    places = rising("frequency", frequency, unit="cyc/mrad")
+    curve = all_from_zero("ctf", ctf, infinite=True)
+    if curve.shape != places.shape:
+        allowed = f"{places.shape}, the shape of frequency"
+        raise ParameterError("ctf.shape", curve.shape, allowed)
+    zeros = np.flatnonzero((curve == 0.0) & (places > 0.0))
+    if len(zeros):
+        raise ParameterError(f"ctf[{zeros[0]}]", 0.0, "above 0 at every frequency above 0")
+    threshold = interpolated(frequency=places, ctf=curve)
+    limits, whole = threshold(places), _panels(threshold, places[:-1], places[1:])
 
-    def __init__(self, frequency: ArrayLike, ctf: ArrayLike) -> None:
-        self._places = places = rising("frequency", frequency, unit="cyc/mrad")
-        curve = all_from_zero("ctf", ctf, infinite=True)
-        if curve.shape != places.shape:
-            allowed = f"{places.shape}, the shape of frequency"
-            raise ParameterError("ctf.shape", curve.shape, allowed)
-        zeros = np.flatnonzero((curve == 0.0) & (places > 0.0))
-        if len(zeros):
-            raise ParameterError(f"ctf[{zeros[0]}]", 0.0, "above 0 at every frequency above 0")
-        self._ctf = interpolated(frequency=places, ctf=curve)
-        self._levels = self._ctf(places)
-        self._whole = _panels(self._ctf, places[:-1], places[1:])
-
-    def value(self, contrast: ArrayLike, target_area_m2: ArrayLike, range_m: ArrayLike) -> Any:
-        """V = √A/R·∫√(C/CTF) df over all frequencies at which C is above CTF.
-
-        Of contrasts C at the sensor, in the unit of the threshold (an apparent temperature
-        difference, where that is an MRTD), areas A in m² and ranges R in m, which broadcast.
-        """
+    def value(contrast: ArrayLike, target_area_m2: ArrayLike, range_m: ArrayLike) -> Any:
         level, area, distance = broadcast(
             contrast=all_from_zero("contrast", contrast),
             target_area_m2=all_above_zero("target_area_m2", target_area_m2, unit="m²"),
             range_m=all_above_zero("range_m", range_m, unit="m"),
         )
-        return target_cycles(self._summed(level), np.sqrt(area), distance)[()]
-
-    def _summed(self, contrast: Floats) -> Floats:
-        """∫√(C/CTF) df where C > CTF, of the shape of `contrast`."""
-        places, levels = self._places, contrast.ravel()
-        seen = self._levels < levels[:, np.newaxis]
-        inside = (seen[:, :-1] & seen[:, 1:]) @ self._whole
+        levels = level.ravel()
+        seen = limits < levels[:, np.newaxis]
+        inside = (seen[:, :-1] & seen[:, 1:]) @ whole
         which, crossed = np.nonzero(seen[:, :-1] != seen[:, 1:])
         low, high, seen_low = places[crossed], places[crossed + 1], seen[which, crossed]
-        meet = _crossings(self._ctf, levels[which], low, high, seen_low)
-        parts = _panels(self._ctf, np.where(seen_low, low, meet), np.where(seen_low, meet, high))
+        meet = _crossings(threshold, levels[which], low, high, seen_low)
+        parts = _panels(threshold, np.where(seen_low, low, meet), np.where(seen_low, meet, high))
         inside += np.bincount(which, parts, len(levels))
-        return np.asarray((np.sqrt(levels) * inside).reshape(contrast.shape), np.float64)
+        total = np.asarray((np.sqrt(levels) * inside).reshape(level.shape), np.float64)
+        return target_cycles(total, np.sqrt(area), distance)[()]
+
+    return value
 
 
 def _panels(ctf: Threshold, low: Floats, high: Floats) -> Floats:

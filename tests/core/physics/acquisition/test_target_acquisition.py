@@ -9,13 +9,13 @@ from scipy.special import lambertw
 
 from core.errors import ParameterError
 from core.physics.acquisition.target_acquisition import (
-    TtpThreshold,
     apparent_difference,
     interpolated,
     johnson_probability,
     resolvable_cycles,
     resolvable_frequency,
     ttp_probability,
+    ttp_values,
 )
 from core.physics.numerics import range_for_probability
 
@@ -131,7 +131,7 @@ UNIT = {"target_area_m2": 1.0, "range_m": 1000.0}  # 1 mrad: V is the sum itself
 
 
 def ttp_value(*, frequency, ctf, contrast, target_area_m2, range_m):
-    return TtpThreshold(frequency, ctf).value(contrast, target_area_m2, range_m)
+    return ttp_values(frequency=frequency, ctf=ctf)(contrast, target_area_m2, range_m)
 
 
 def exponential(frequency):
