@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from core.arrays import Complex, Matrix, Vector
+from core.arrays import Complex, Index, Matrix, Vector
 from core.errors import DataError, percent
 from core.physics.measurement.found_edge import why_clipped
 from core.physics.numerics import sinc
@@ -30,35 +30,19 @@ _SETTLED = 1e-9
 class EdgeLine:
     """The straight line x = start + slope·row, in samples."""
 
-    # column in row 0, and columns per row
-    start: float
-    slope: float
-    places: Vector  # where each row has the edge, shape (rows,)
-
-    @property
-    def rows(self) -> int:
-        """Number of rows."""
-        return len(self.places)
+    slope: float  # columns per row
+    columns: Vector  # where the line is in each row, shape (rows,)
+    places: Vector  # where each row has the edge
 
     @property
     def angle_deg(self) -> float:
         """Angle to the columns, positive where the line runs to the right as rows go down."""
         return math.degrees(math.atan(self.slope))
 
-    def columns(self) -> Vector:
-        """Column of the line in each row."""
-        return np.asarray(self.start + self.slope * np.arange(self.rows), np.float64)
-
     @property
     def scatter(self) -> float:
         """Root mean square distance of the rows' places from the line, samples."""
-        return float(np.sqrt(np.mean((self.places - self.columns()) ** 2)))
-
-    def without(self, left_out: NDArray[np.bool_]) -> "EdgeLine":
-        """The line through the places of the other rows."""
-        rows = np.flatnonzero(~left_out)
-        slope, start = _line_through(rows.astype(np.float64), self.places[rows])
-        return EdgeLine(start, slope, self.places)
+        return float(np.sqrt(np.mean((self.places - self.columns) ** 2)))
 
 
 def _edge_line(*, picture: Matrix, target: Target = "edge") -> EdgeLine:
@@ -75,7 +59,7 @@ def _edge_line(*, picture: Matrix, target: Target = "edge") -> EdgeLine:
     _refuse_direction(line.slope)
     for _ in range(_PASSES):
         moved = _follow(signal, line, columns)
-        change = np.max(np.abs(moved.columns() - line.columns()))
+        change = np.max(np.abs(moved.columns - line.columns))
         line = moved
         if change < _SETTLED:
             break
@@ -120,12 +104,13 @@ def _median_line(places: Vector) -> EdgeLine:
     rows = np.arange(len(places))
     half = len(places) // 2
     slope = float(np.median((places[-half:] - places[:half]) / (len(places) - half)))
-    return EdgeLine(float(np.median(places - slope * rows)), slope, places)
+    start = float(np.median(places - slope * rows))
+    return EdgeLine(slope, np.asarray(start + slope * rows, np.float64), places)
 
 
 def _follow(signal: Matrix, line: EdgeLine, columns: int) -> EdgeLine:
     """The line through the centroids of what a window on `line` shows."""
-    middle = line.columns()
+    middle = line.columns
     margin = float(min(middle.min(), columns - 1 - middle.max()))
     if margin < _MARGIN:
         raise DataError(
@@ -143,8 +128,7 @@ def _follow(signal: Matrix, line: EdgeLine, columns: int) -> EdgeLine:
             "edge and little else"
         )
     places = middle + np.sum(window * signal * away, axis=1) / weight
-    slope, start = _line_through(np.arange(len(places), dtype=np.float64), places)
-    return EdgeLine(start, slope, places)
+    return _line_through(places, np.arange(len(places)))
 
 
 def _width(signal: Matrix, middle: Vector) -> float:
@@ -158,10 +142,13 @@ def _width(signal: Matrix, middle: Vector) -> float:
     return float(max(0.0, mean.sum()) / height) if height > 0.0 else 0.0
 
 
-def _line_through(rows: Vector, places: Vector) -> tuple[float, float]:
+def _line_through(places: Vector, rows: Index) -> EdgeLine:
+    """By least squares, through the places of these rows."""
     centre = rows - rows.mean()
-    slope = float(np.sum(centre * places) / np.sum(centre**2))
-    return slope, float(places.mean() - slope * rows.mean())
+    slope = float(np.sum(centre * places[rows]) / np.sum(centre**2))
+    start = float(places[rows].mean() - slope * rows.mean())
+    columns = np.asarray(start + slope * np.arange(len(places)), np.float64)
+    return EdgeLine(slope, columns, places)
 
 
 def _refuse_direction(slope: float) -> None:
@@ -181,10 +168,11 @@ def _refuse_line(line: EdgeLine, columns: int) -> None:
             f"no straight edge found: edge positions in the rows scatter by {line.scatter:.2g} "
             "samples about a line. Choose a region with one straight edge, or with less noise"
         )
-    crossed = abs(line.slope) * (line.rows - 1)
+    rows = len(line.places)
+    crossed = abs(line.slope) * (rows - 1)
     if crossed < 1.0:
         raise DataError(
-            f"the edge is not slanted: over {line.rows} rows, it crosses {crossed:.2g} samples; "
+            f"the edge is not slanted: over {rows} rows, it crosses {crossed:.2g} samples; "
             "needed: at least 1. Turn the edge by 2° to 10°, use more rows, or set method = "
             "row_average"
         )
@@ -237,7 +225,7 @@ class EdgeSpread:
 
 def _reach(*, line: EdgeLine, columns: int) -> int:
     """Bins on each side of a line that every row of a picture fills."""
-    middle = line.columns()
+    middle = line.columns
     samples = float(min(middle.min(), columns - 1 - middle.max()))
     if samples < _LEAST_REACH:
         raise DataError(
@@ -256,7 +244,7 @@ def _edge_spread(
     what their mean distance is off its middle is made good with slope and curvature.
     """
     taken = slice(None) if rows is None else rows
-    away = np.arange(picture.shape[1]) - line.columns()[taken, np.newaxis]
+    away = np.arange(picture.shape[1]) - line.columns[taken, np.newaxis]
     place = np.rint(away * BINS_PER_SAMPLE).astype(np.intp) + bins
     inside = (place >= 0) & (place <= 2 * bins)
     place, away, values = place[inside], away[inside], picture[taken][inside]
@@ -371,12 +359,13 @@ def slanted_edge(
     middles = (np.arange(many) - (many - 1) / 2) / BINS_PER_SAMPLE
     waves = np.exp(-2j * np.pi * np.outer(along_row, middles))
     whole = _transform(spread, along_row, waves, target, window)
-    group = np.arange(line.rows) % min(_GROUPS, line.rows // 2)
+    rows = len(picture)
+    group = np.arange(rows) % min(_GROUPS, rows // 2)
     replicas = np.empty((int(group.max()) + 1, len(frequency)), np.complex128)
     for left_out in range(len(replicas)):
         check()
         chosen_rows = group != left_out
-        other = line.without(~chosen_rows)
+        other = _line_through(line.places, np.flatnonzero(chosen_rows))
         part = _edge_spread(picture=picture, line=other, bins=bins, rows=chosen_rows)
         replicas[left_out] = _transform(part, along_row, waves, target, window)
     error = modulus_error(whole=whole, replicas=replicas)
@@ -483,9 +472,9 @@ def _check_spread(*, picture: Matrix, line: EdgeLine, spread: EdgeSpread, target
             )
     if target == "edge":
         _refuse_narrow(spread, height, error)
-        away = (np.arange(picture.shape[1]) - line.columns()[:, np.newaxis]).ravel()
+        away = (np.arange(picture.shape[1]) - line.columns[:, np.newaxis]).ravel()
         inside = np.abs(away) <= spread.away[-1]
-        off = 1.5 * line.scatter * math.sqrt(2.0 / line.rows)  # samples, of its ends
+        off = 1.5 * line.scatter * math.sqrt(2.0 / len(picture))  # samples, of its ends
         reason = why_clipped(
             value=picture.ravel()[inside],
             distance=away[inside] if right > left else -away[inside],
