@@ -1,7 +1,7 @@
 """OTF of a pupil in angular frequency, for one wavelength or a band."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from functools import partial
 from itertools import combinations
 
@@ -54,8 +54,7 @@ def strips_add_up(*, pupil: StripPupil) -> bool:
     bars = pupil.symmetric
     if any(s.high != half or s.low != -half or s.half == bars for s in pupil.strips):
         return False
-    crossings = _crossings(pupil)
-    if any(crossing.farthest > hole for crossing in crossings):
+    if any(crossing.farthest > hole for crossing in _crossings(pupil)):
         return False
     if bars:
         return True
@@ -206,11 +205,11 @@ def _taken(values: Floats, index: Index) -> Floats:
     return np.broadcast_to(values, index.shape)[index]
 
 
-def _crossings(pupil: StripPupil) -> "list[Crossing]":
-    return [
-        Crossing.of(pupil.strips, pair, pupil.radius, pupil.inner_radius)
-        for pair in combinations(range(len(pupil.strips)), 2)
-    ]
+def _crossings(pupil: StripPupil) -> "Iterator[Crossing]":
+    for pair in combinations(range(len(pupil.strips)), 2):
+        a, b = (pupil.strips[index] for index in pair)
+        sin, cos = abs(a.cos * b.sin - a.sin * b.cos), abs(a.cos * b.cos + a.sin * b.sin)
+        yield Crossing(pair, a.high, sin, cos, pupil.radius, pupil.inner_radius)
 
 
 # The parallelogram in which two equal strips cross, and how much of it an annulus lets through.
@@ -230,20 +229,6 @@ class Crossing:
     cos: float
     radius: float
     hole: float
-
-    @classmethod
-    def of(
-        cls, strips: tuple[Strip, ...], pair: tuple[int, int], radius: float, hole: float
-    ) -> "Crossing":
-        """Of two of a pupil's strips."""
-        a, b = (strips[index] for index in pair)
-        sin, cos = abs(a.cos * b.sin - a.sin * b.cos), abs(a.cos * b.cos + a.sin * b.sin)
-        return cls(pair, a.high, sin, cos, radius, hole)
-
-    @property
-    def area(self) -> float:
-        """Area of the parallelogram."""
-        return 4.0 * self.half**2 / self.sin
 
     @property
     def extent(self) -> float:
@@ -276,7 +261,7 @@ class Crossing:
         clear = self.hole + extent
         whole = math.sqrt((self.radius - self.half) * (self.radius + self.half)) - extent
         cut_first, cut_second = ((at < clear) | (at > whole) for at in (first, second))
-        area[met] = self.area
+        area[met] = 4.0 * self.half**2 / self.sin
         once = met & (cut_first ^ cut_second)
         if once.any():
             place = np.where(cut_first, first, second)[once]
