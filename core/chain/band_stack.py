@@ -554,11 +554,11 @@ class FilteredSum(Recipe):
         mean = 0.0
         for picture, factors in self._components(work):
             product = Product(factors)
-            part = self._transform(work, picture)
-            mean += part.mean * product.at_zero(work)
-            total = self._added(work, total, part.values, product)
+            values, mean_of_part = self._transform(work, picture)
+            mean += mean_of_part * product.at_zero(work)
+            total = self._added(work, total, values, product)
         assert total is not None
-        return MeanFree(total, mean)
+        return total, mean
 
     def _components(self, work: Work) -> Iterator[tuple[Array, tuple[Planar, ...]]]:
         """The sums of bands that belong to the chosen wavelengths, and the factors at each.

@@ -60,8 +60,8 @@ class NoisePower:
     def shown(self) -> Array:
         """Variances of the waves of the frame as it is now; broadcasts to (rows, columns)."""
         power = self.power
-        for axis, matrix in ((0, self.along), (1, self.across)):
-            if matrix is not None:
+        for axis in (0, 1):
+            if (matrix := self._matrix(axis)) is not None:
                 power = _carried(power, np.abs(matrix) ** 2, axis)
         return power
 
@@ -136,7 +136,7 @@ class NoisePower:
         """Behind linear operators on columns (rows → new rows) and on rows of samples."""
         changed = self
         for axis, operator in ((0, along), (1, across)):
-            if new[axis] != (self.rows, self.columns)[axis]:
+            if new[axis] != self._size(axis):
                 changed = changed.operated(axis, operator, new[axis])
         return changed
 

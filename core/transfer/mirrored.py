@@ -22,7 +22,6 @@ from core.errors import require_finite
 from core.evaluation.recipes import Region, ends_lineage
 from core.evaluation.work import Work
 from core.machine import StripArray
-from core.records import dataclass
 from core.transfer.factors import Grid, Product
 from core.transfer.planar_blocks import Planes
 
@@ -31,12 +30,8 @@ from core.transfer.planar_blocks import Planes
 BLOCK_SAMPLES = 1 << 18
 
 
-@dataclass(frozen=True)
-class MeanFree:
-    """A spectrum without its mean, and the mean; on disk its values are a `StripArray`."""
-
-    values: Array
-    mean: float
+MeanFree = tuple[Array, float]
+"""A spectrum without its mean, and the mean; on disk its values are a `StripArray`."""
 
 
 @ends_lineage
@@ -58,7 +53,7 @@ def mirrored_spectrum(work: Work, image: Array) -> MeanFree:
 
     work.for_each(one, row_blocks(image.shape))
     work.for_each(column, column_blocks(values))
-    return MeanFree(values, mean)
+    return values, mean
 
 
 def mirrored_filter(
@@ -80,10 +75,11 @@ def mirrored_filter(
     terms = MirroredTerms(work, product, grid, factor_x, factor_y, average)
     whole = Region(0, 0, *terms.shape)
     rows, columns = (region or whole).slices
-    added = spectrum.mean * terms.at_zero()
+    values, mean = spectrum
+    added = mean * terms.at_zero()
     total: Array | None = None
     for odd_y in terms.odd_y:
-        lines = _lines(work, spectrum.values, terms, odd_y, columns)
+        lines = _lines(work, values, terms, odd_y, columns)
         last = odd_y == terms.odd_y[-1]
         total = _summed(work, lines, odd_y, rows, total, added if last else None)
     assert total is not None

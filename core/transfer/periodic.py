@@ -35,7 +35,7 @@ def periodic_spectrum(work: Work, image: Array) -> MeanFree:
 
     work.for_each(one, row_blocks(image.shape))
     _each_column(work, lines, lambda block: fourier().fft(block, axis=0, overwrite_x=True))
-    return MeanFree(lines, mean)
+    return lines, mean
 
 
 def crossed_spectrum(
@@ -51,7 +51,7 @@ def crossed_spectrum(
         values: Array = np.ones((grid.rows, grid.columns // 2 + 1), work.policy.dtype)
     else:
         mean = abs(float(np.mean(modulus, dtype=np.float64)))
-        values = np.abs(periodic_spectrum(work, modulus).values)
+        values = np.abs(periodic_spectrum(work, modulus)[0])
     if phase is not None:
         other = fourier().rfft2(phase, overwrite_x=False, workers=workers)
         other[0, 0] = np.sum(phase, dtype=np.float64)
@@ -61,7 +61,7 @@ def crossed_spectrum(
         mean *= -1.0 if other[0, 0].real < 0 else 1.0
     values = values.astype(np.result_type(work.policy.dtype, np.complex64))
     values[0, 0] = 0
-    return MeanFree(values, mean)
+    return values, mean
 
 
 def periodic_filter(
@@ -81,7 +81,7 @@ def periodic_filter(
     """
     rows, columns = grid.rows // factor_y, grid.columns // factor_x
     response = PeriodicResponse(work, product, grid, factor_x, factor_y, average)
-    direct, turned = _fold(work, spectrum.values, response, factor_x, factor_y)
+    direct, turned = _fold(work, spectrum[0], response, factor_x, factor_y)
     if turned is not None:
         # An alias beyond Nyquist is the conjugate of the mirrored frequency's value.
         flip = -np.arange(rows) % rows
@@ -95,7 +95,7 @@ def periodic_filter(
     made = region if region is not None and backend() == "scipy.fft" else whole
     image: Array = work.empty(made.shape)
     scale = image.dtype.type(np.longdouble(1) / (rows * columns))
-    added = np.asarray(spectrum.mean * product.at_zero(work), image.dtype)
+    added = np.asarray(spectrum[1] * product.at_zero(work), image.dtype)
 
     def one(block: slice) -> None:
         lines = slice(made.top + block.start, min(made.top + block.stop, made.bottom))
@@ -343,9 +343,9 @@ def sampled_filter(
 ) -> Array:
     """The filtered frame at columns and rows between its samples, from the first one's middle."""
     made = _mirrored if edges == "reflect" else _periodic
-    image = made(work, spectrum.values, product, grid, places_x, places_y)
+    image = made(work, spectrum[0], product, grid, places_x, places_y)
     require_finite(image)
-    image += np.asarray(spectrum.mean * product.at_zero(work), image.dtype)
+    image += np.asarray(spectrum[1] * product.at_zero(work), image.dtype)
     return image
 
 

@@ -58,18 +58,13 @@ class ScanLines(ABC):
 
     def with_planar(self, interval_mrad: float) -> Parts:
         """The spectrum times what does not separate, at one interval in flight: P, or P and Q."""
-        if not self.planar:
-            return (self.values,)
         if self.symmetric:
             return (self.values * self.chain.stored_plane(self.work, interval_mrad),)
         return self.evaluated(interval_mrad, slice(0, len(self.flight)))
 
     def evaluated(self, interval_mrad: float, rows: slice) -> Parts:
         """The same for some frequencies in flight, nothing taken from or left in the store."""
-        values = self.values[rows]
-        if not self.planar:
-            return (values,)
-        flight = self.flight[rows] / interval_mrad
+        values, flight = self.values[rows], self.flight[rows] / interval_mrad
         if self.symmetric:
             return (values * self.narrow(self.chain.plane(self.work, self.scan, flight)),)
         return tuple(values * self.narrow(self._plane(sign * flight)) for sign in (1.0, -1.0))

@@ -174,7 +174,7 @@ def radial_ratio(
         ring = np.rint(rho / spacing).astype(np.intp)
         inside = ring < rings
         ring, rho = ring[inside], rho[inside]
-        powers = [_power(picture.values[rows]) * weight for picture in (image, reference)]
+        powers = [_power(picture[0][rows]) * weight for picture in (image, reference)]
         power_above, power_below = (power[inside] for power in powers)
         above += np.bincount(ring, power_above, rings)
         below += np.bincount(ring, power_below, rings)
@@ -182,10 +182,11 @@ def radial_ratio(
         count += np.bincount(ring, np.broadcast_to(weight, inside.shape)[inside], rings)
     # Unnormalised DCTs have twice the size of an FFT along each axis.
     size = grid.rows * grid.columns * (4.0 if mirrored else 1.0)
-    above[0] += (image.mean * size) ** 2
-    below[0] += (reference.mean * size) ** 2
-    level = reference.mean**2 + float(np.sum(below)) / size**2
-    floor = _rounding(reference.values.real.dtype) ** 2 * level * size
+    values, mean = reference
+    above[0] += (image[1] * size) ** 2
+    below[0] += (mean * size) ** 2
+    level = mean**2 + float(np.sum(below)) / size**2
+    floor = _rounding(values.real.dtype) ** 2 * level * size
     seen = below > floor * count
     ratio = np.sqrt(above[seen] / below[seen])
     return _curves([Series("radial", moment[seen] / below[seen], ratio)], unit)

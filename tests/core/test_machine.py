@@ -14,7 +14,6 @@ from core.evaluation.recipes import Step, Store, in_blocks, size_in_bytes
 from core.evaluation.work import BlockRun, Policy, Work
 from core.machine import ScratchDisk, is_on_disk
 from core.transfer.factors import Law, Planar, Separable
-from core.transfer.mirrored import MeanFree
 
 
 @pytest.fixture
@@ -32,7 +31,7 @@ def test_what_lies_there(disk, tmp_path):
     assert array.sum() == 59999 * 30000  # as it was written, though let go of
     assert is_on_disk(array[7:9])
     assert is_on_disk((1, array))
-    assert is_on_disk(MeanFree(array, 0.0))
+    assert is_on_disk((array, 0.0))
     assert not is_on_disk(array.copy())
     assert not list(tmp_path.iterdir())  # without a name, nothing can be left
 
