@@ -29,6 +29,7 @@ from nodes.analysis.noise_budget import (
     NoiseShare,
     blur_shares,
     distinct,
+    mtf_of_all,
     noise_shares,
     source_title,
     unknown_before,
@@ -105,20 +106,20 @@ def _blur_facts(evaluation: Evaluation) -> Fact:
     passed = transfer_of(image)
     grid = evaluation.chain.combined or evaluation.chain.grid or image.grid()
     stages, half = passed.part("mtf"), (0.5 * grid.nyquist_x, 0.5 * grid.nyquist_y)
-    blur = blur_shares(work, stages=stages, frequency=half, before=unknown_before(passed))
-    if not blur.shares and blur.before is not None:
-        raise DataError(f"{blur.before} has no known transfer function")
-    if not blur.shares:
+    blur, before = blur_shares(work, stages=stages, frequency=half), unknown_before(passed)
+    if not blur and before is not None:
+        raise DataError(f"{before} has no known transfer function")
+    if not blur:
         raise DataError(f"every transfer function before {port} is 1")
     return {
-        "xi_cyc_per_mrad": blur.frequency[0],
-        "eta_cyc_per_mrad": blur.frequency[1],
-        "behind": blur.before,
-        "mtf_x": blur.mtf[0],
-        "mtf_y": blur.mtf[1],
+        "xi_cyc_per_mrad": half[0],
+        "eta_cyc_per_mrad": half[1],
+        "behind": before,
+        "mtf_x": mtf_of_all(blur, 0),
+        "mtf_y": mtf_of_all(blur, 1),
         "stages": [
             {"node": one.node, "title": one.label, **_of_axis(one, 0, "x"), **_of_axis(one, 1, "y")}
-            for one in blur.shares
+            for one in blur
         ],
     }
 

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterable
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -60,23 +60,12 @@ class BlurShare:
     mtf: tuple[float, float]
     share: tuple[float, float]
 
-    @property
-    def losses(self) -> tuple[float, float]:
-        return loss(mtf=self.mtf[0]), loss(mtf=self.mtf[1])
+
+BlurShares = tuple[BlurShare, ...]
 
 
-@dataclass(frozen=True)
-class BlurShares:
-    """Every stage that blurs, at two frequencies, cycles/mrad; nothing is known `before`."""
-
-    frequency: tuple[float, float]
-    shares: tuple[BlurShare, ...]
-    before: str | None = None
-
-    @property
-    def mtf(self) -> tuple[float, float]:
-        x, y = (math.prod((share.mtf[axis] for share in self.shares), start=1.0) for axis in (0, 1))
-        return x, y
+def mtf_of_all(shares: BlurShares, axis: int) -> float:
+    return math.prod((share.mtf[axis] for share in shares), start=1.0)
 
 
 @ends_lineage
@@ -121,11 +110,7 @@ def noise_shares(work: Work, noise: lineage.ImageNoise, *, kind: Kind) -> NoiseS
 
 @ends_lineage
 def blur_shares(
-    work: Work,
-    *,
-    stages: tuple[lineage.Stage, ...],
-    frequency: tuple[float, float],
-    before: str | None,
+    work: Work, *, stages: lineage.Stages, frequency: tuple[float, float]
 ) -> BlurShares:
     """Shares of the stages at a frequency across and one along; those that do nothing left out."""
     moduli = []
@@ -136,16 +121,14 @@ def blur_shares(
         # What is 1 but for rounding is 1.
         moduli.append([1.0 if abs(value - 1.0) < _ROUNDING else value for value in values])
     shared = [shares_of_losses(losses=[loss(mtf=mtf) for mtf in along]) for along in moduli]
-    shares = (
+    of_axes = zip(stages, zip(*moduli, strict=True), zip(*shared, strict=True), strict=True)
+    return tuple(
         BlurShare(
             next((f.node for f in stage.factors if f.node), stage.label), stage.label, mtf, share
         )
-        for stage, mtf, share in zip(
-            stages, zip(*moduli, strict=True), zip(*shared, strict=True), strict=True
-        )
+        for stage, mtf, share in of_axes
         if mtf != (1.0, 1.0)
     )
-    return BlurShares(frequency, tuple(shares), before)
 
 
 def unknown_before(transfer: lineage.ImageTransfer) -> str | None:
@@ -196,18 +179,18 @@ def noise_bars(work: Work, noise: NoiseShares, *, kind: Kind, show: Show, unit: 
 
 
 @ends_lineage
-def blur_bars(work: Work, blur: BlurShares, *, show: Show) -> CurveData:
-    title = "Blur" if blur.before is None else f"Blur after {blur.before}"
-    if not blur.shares:
+def blur_bars(work: Work, blur: BlurShares, *, before: str | None, show: Show) -> CurveData:
+    title = "Blur" if before is None else f"Blur after {before}"
+    if not blur:
         return CurveData(f"{title}: none known", "stage", "share (%)", ())
-    names = tuple(stage.label for stage in blur.shares)
+    names = tuple(stage.label for stage in blur)
     if show == "share":
         label = "share of −ln |MTF| (%)"
-        heights = [[100.0 * stage.share[axis] for stage in blur.shares] for axis in (0, 1)]
+        heights = [[100.0 * stage.share[axis] for stage in blur] for axis in (0, 1)]
     else:
         label = "−ln |MTF|"
         names = (*names, _TOGETHER)
-        losses = [[stage.losses[axis] for stage in blur.shares] for axis in (0, 1)]
+        losses = [[loss(mtf=stage.mtf[axis]) for stage in blur] for axis in (0, 1)]
         heights = [[*along, math.fsum(along)] for along in losses]
     return _bars(
         title, "stage", label, names, zip(("horizontal", "vertical"), heights, strict=True)
@@ -233,7 +216,7 @@ def distinct(names: list[tuple[str, str]]) -> tuple[str, ...]:
 
 @ends_lineage
 def budget_table(
-    work: Work, noise: NoiseShares, blur: BlurShares, *, kind: Kind, unit: str
+    work: Work, noise: NoiseShares, blur: BlurShares, *, kind: Kind, unit: str, **seen: Any
 ) -> TableData:
     rows = [row for share in noise.shares for row in _source_rows(share, unit)]
     if not noise.shares:
@@ -245,7 +228,7 @@ def budget_table(
         TableRow("sigma_fixed", noise.fixed, unit, "all fixed-pattern noise"),
         TableRow("mean", noise.mean, unit, "mean of the noise-free picture"),
     ]
-    rows += _blur_rows(blur)
+    rows += _blur_rows(blur, **seen)
     return TableData(tuple(rows))
 
 
@@ -265,10 +248,12 @@ def _source_rows(share: NoiseShare, unit: str) -> Iterable[TableRow]:
             )
 
 
-def _blur_rows(blur: BlurShares) -> list[TableRow]:
-    nodes = [stage.node for stage in blur.shares]
+def _blur_rows(
+    blur: BlurShares, *, frequency: tuple[float, float], before: str | None
+) -> list[TableRow]:
+    nodes = [stage.node for stage in blur]
     rows = []
-    for stage in blur.shares:
+    for stage in blur:
         name = stage.node if nodes.count(stage.node) == 1 else f"{stage.node}.{_snake(stage.label)}"
         for axis, direction in ((0, "x"), (1, "y")):
             meaning = f"|MTF| of {stage.label}"
@@ -282,15 +267,14 @@ def _blur_rows(blur: BlurShares) -> list[TableRow]:
     if not rows:
         rows.append(TableRow("blur", "none", "", "all stages have a transfer function of 1"))
     for axis, direction, words in ((0, "x", "horizontal"), (1, "y", "vertical")):
-        rows.append(
-            TableRow(f"mtf_{direction}", blur.mtf[axis], "", f"{words} |MTF| of all stages")
-        )
+        mtf = mtf_of_all(blur, axis)
+        rows.append(TableRow(f"mtf_{direction}", mtf, "", f"{words} |MTF| of all stages"))
     for axis, name, words in ((0, "xi", "horizontal"), (1, "eta", "vertical")):
         meaning = f"{words} frequency at which the MTFs are given"
-        rows.append(TableRow(name, blur.frequency[axis], "cyc/mrad", meaning))
-    if blur.before is not None:
+        rows.append(TableRow(name, frequency[axis], "cyc/mrad", meaning))
+    if before is not None:
         meaning = "the transfer functions up to and including this stage are unknown"
-        rows.append(TableRow("blur_behind", blur.before, "", meaning))
+        rows.append(TableRow("blur_behind", before, "", meaning))
     return rows
 
 
@@ -352,17 +336,15 @@ class NoiseBudget(Module, key="noise_budget", title="Noise Budget", group="Analy
     def run(self, image: Image, here: NodeContext) -> BudgetOutputs:
         node, grid, passed = here.node, image.grid(), lineage.transfer_of(image)
         noise = here.step(noise_shares, lineage.NoiseOf(image, node), kind=self.noise)
-        blur = here.step(
-            blur_shares,
-            stages=passed.part("mtf"),
-            frequency=(self.frequency * grid.nyquist_x, self.frequency * grid.nyquist_y),
-            before=unknown_before(passed),
-        )
+        frequency = self.frequency * grid.nyquist_x, self.frequency * grid.nyquist_y
+        before = unknown_before(passed)
+        blur = here.step(blur_shares, stages=passed.part("mtf"), frequency=frequency)
         noise_kind = {"kind": self.noise, "unit": image.unit}
+        seen: Any = {"frequency": frequency, "before": before}
         return BudgetOutputs(
             Curve(here.step(noise_bars, noise, show=self.show, **noise_kind)),
-            Curve(here.step(blur_bars, blur, show=self.show)),
-            Table(here.step(budget_table, noise, blur, **noise_kind)),
+            Curve(here.step(blur_bars, blur, before=before, show=self.show)),
+            Table(here.step(budget_table, noise, blur, **noise_kind, **seen)),
         )
 
     figures_0 = TableFigures(

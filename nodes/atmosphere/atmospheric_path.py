@@ -224,7 +224,7 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
         given: dict[str, Any] = {"range_m": range_m, "air_K": self.air_K}
         if self.model == "modtran":
             assert self.path is not None
-            points, radiance = read_path_table((here.folder / self.path).absolute())
+            points, radiance = read_path_table(here.folder / self.path)
             return AirPath(points=points, radiance=radiance, **given)
         if self.model == "modtran_tables":
             points, radiance = self._tables(image, range_m)
@@ -236,10 +236,9 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
             return AirPath(extinction_per_km=extinction, angstrom_q=self.angstrom_q, **given)
         if self.path is None:
             return AirPath(transmission=self.transmission, **given)
-        path = (here.folder / self.path).absolute()
-        return AirPath(
-            points=read_wavelengths(path, what="transmission", low=0.0, high=1.0), **given
-        )
+        path = here.folder / self.path
+        points = read_wavelengths(path, what="transmission", low=0.0, high=1.0)
+        return AirPath(points=points, **given)
 
     def _tables(self, image: Image, range_m: float | None) -> tuple[Points, Points]:
         altitude_m = self.altitude_m or _orbit_altitude_m(image)

@@ -159,7 +159,7 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
     def _light(self, here: NodeContext) -> Sunlight:
         points: tuple[tuple[float, float], ...] = ()
         if self.path is not None:
-            path = (here.folder / self.path).absolute()
+            path = here.folder / self.path
             points = read_wavelengths(path, what="irradiance", low=0.0, high=_BRIGHTEST)
         return Sunlight(
             elevation_deg=self.sun_elevation_deg,

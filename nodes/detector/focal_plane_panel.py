@@ -376,7 +376,7 @@ class FocalPlanePanel(SeededModule):
     def _points(self, here: NodeContext) -> tuple[tuple[float, float], ...]:
         if self.response is None:
             return ()
-        path = (here.folder / self.response).absolute()
+        path = here.folder / self.response
         return read_wavelengths(path, what="quantum efficiency", low=0.0, high=1.0)
 
     def _dark_current(self, context: Context) -> float:

@@ -4,7 +4,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from core.chain.random_fields import FrameNumber, at_frame
+from core.chain.random_fields import at_frame
 from core.chain.step_lineage import Array, AtStep, Noise, picture_step
 from core.chain.wires import Context, Image, Table, TableData, Transfer
 from core.errors import ParameterError
@@ -17,7 +17,7 @@ from core.physics.noise import flicker_noise
 from core.physics.radiometry import planck
 from core.transfer.factors import Separable
 from nodes.shared import context_defaults, module_ports, steps
-from nodes.shared.deviates import SEED_SECTIONS, SeededModule, flicker_deviates, waves_of_all_frames
+from nodes.shared.deviates import SEED_SECTIONS, SeededModule
 
 Pair = tuple[float, float]
 _MOST_FRAMES = 64
@@ -320,19 +320,8 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
     ) -> Recipe:
         fields: list[Recipe] = [self.deviates(here, "white", image.shape)] if white else []
         if flicker:
-            stream, band = self.stream(here, "1/f", fixed=True), self._flicker_band()
-            waves = waves_of_all_frames(stream=stream, shape=image.shape, band=band, node=here.node)
-            fields.append(
-                here.step(
-                    flicker_deviates,
-                    *waves,
-                    stream=stream,
-                    number=FrameNumber(),
-                    shape=image.shape,
-                    band=band,
-                    frame_s=1.0 / self.frame_rate_Hz,
-                )
-            )
+            how = (image.shape, self._flicker_band(), self.frame_rate_Hz)
+            fields.append(self.flicker_field(here, *how, held=True))
         if not fields:
             return picture
         sizes = [left for left, sigma in zip(self._left(), (white, flicker), strict=True) if sigma]

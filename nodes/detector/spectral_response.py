@@ -135,8 +135,7 @@ class SpectralResponse(
             centre = self.centre_um or sum(band) / 2
             return ResponseCurve(self.shape, centre, self.width_um or band[1] - band[0], self.peak)
         assert self.path is not None
-        path = (here.folder / self.path).absolute()
-        points = read_wavelengths(path, what="response", low=0.0, high=1.0)
+        points = read_wavelengths(here.folder / self.path, what="response", low=0.0, high=1.0)
         return ResponseCurve("file", points=points)
 
     def response_over_band(self, planned: PlannedNode, here: NodeContext) -> DrawnResponse | None:

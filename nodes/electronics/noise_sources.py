@@ -10,7 +10,6 @@ import numpy as np
 from core.chain import random_fields
 from core.chain.engine import PlannedNode
 from core.chain.noise_power import NoisePower
-from core.chain.random_fields import FrameNumber
 from core.chain.step_lineage import Array, AtStep, Noise, picture_step
 from core.chain.wires import Image, TableData
 from core.errors import DataError, ParameterError
@@ -35,7 +34,7 @@ from nodes.files.stored_bytes import checked_band
 from nodes.input_output.sample_unit import statistics
 from nodes.input_output.source_file import picture_source, read_step
 from nodes.shared.context_defaults import is_temperature, unit_caution
-from nodes.shared.deviates import SEED_SECTIONS, SeededModule, flicker_deviates
+from nodes.shared.deviates import SEED_SECTIONS, SeededModule
 from nodes.shared.module_ports import LongestPeriod, NoiseOutputs, PicturePreview, TableFigures
 from nodes.shared.steps import difference, even
 
@@ -267,7 +266,7 @@ class PeriodicNoise(
             flat = here.step(even, shape=image.shape, value=0.0)
             return NoiseOutputs(image, image.with_recipe(flat))
         pattern = here.step(drawn, grid=image.grid(), **self._pattern())
-        total = here.step(with_pattern, image.recipe, pattern)
+        total = here.step(with_known, image.recipe, pattern, kind="periodic")
         return NoiseOutputs(image.with_recipe(total), image.with_recipe(pattern))
 
     def _pattern(self) -> dict[str, float]:
@@ -323,9 +322,9 @@ def drawn(work: Work, region: Region, *, grid: Grid, **values: float) -> Array:
     return pattern
 
 
-@picture_step(noise=lambda at, *_: [at.known("periodic")])
+@picture_step(noise=lambda at, *_, kind: [at.known(kind)])
 @pointwise
-def with_pattern(work: Work, image: Array, noise: Array) -> Array:
+def with_known(work: Work, image: Array, noise: Array, *, kind: str) -> Array:
     return np.add(image, noise, dtype=work.policy.dtype)
 
 
@@ -354,14 +353,8 @@ class NoiseFile(Module, key="noise_file", title="Noise File", group="Electronics
         noise = read_step(source, band=self.band, scale=self.scale, node=here.node)
         if self.scale == 0.0:
             return NoiseOutputs(image, image.with_recipe(noise))
-        total = here.step(with_file, image.recipe, noise)
+        total = here.step(with_known, image.recipe, noise, kind="file")
         return NoiseOutputs(image.with_recipe(total), image.with_recipe(noise))
-
-
-@picture_step(noise=lambda at, *_: [at.known("file")])
-@pointwise
-def with_file(work: Work, image: Array, noise: Array) -> Array:
-    return np.add(image, noise, dtype=work.policy.dtype)
 
 
 _FIXED = ("vh", "v", "h")
@@ -452,14 +445,7 @@ class Noise3DSource(
                 field = self.deviates(here, f"sigma_{name}", shape, fixed=name in _FIXED)
                 parts.append((name, size, field))
         if self.corner_Hz:
-            field = here.step(
-                flicker_deviates,
-                stream=self.stream(here, "1/f", fixed=True),
-                number=FrameNumber(),
-                shape=image.shape,
-                band=self._band(),
-                frame_s=1.0 / self.frame_rate_Hz,
-            )
+            field = self.flicker_field(here, image.shape, self._band(), self.frame_rate_Hz)
             parts.append((_FLICKER, self._flicker_sigma(), field))
         sigmas = tuple(size for _, size, _ in parts)
         fields = (field for _, _, field in parts)

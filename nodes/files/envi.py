@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from core.errors import DataError, FileError, ParameterError, several
 from core.machine import Empty, ForEach, in_turn
 from core.physics.radiometry.radiance_units import radiance_unit
-from core.records import dataclass, replace
+from core.records import replace
 from nodes.files import picture_info
 from nodes.files.envi_header import EnviLayout, number_list, read_layout
 from nodes.files.stored_bytes import checked_band, stored_bytes
@@ -298,30 +298,12 @@ def _per_um(info: picture_info.PictureInfo) -> float:
 Array = NDArray[Any]
 
 
-@dataclass(frozen=True, eq=False)
-class CubeInMemory:
-    samples: Array
-    bands: int
-    rows: int
-    columns: int
-    dtype: np.dtype[Any]
-    interleave: str = "bsq"
-    missing: np.generic | None = None
-    scaling: None = None
-
-    @classmethod
-    def of(cls, samples: Array) -> CubeInMemory:
-        bands, rows, columns = samples.shape
-        return cls(samples, bands, rows, columns, samples.dtype)
-
-
-Layout = EnviLayout | CubeInMemory
 _BLOCK_BYTES = 1 << 21  # of samples as the file has them, so that they stay in a core's cache
 _PIECE = 1 << 13  # samples of one matrix product: a larger one would start threads of its own
 
 
 def weighted_sums(
-    layout: Layout,
+    layout: EnviLayout,
     weights: NDArray[np.float64],
     *,
     dtype: np.dtype[Any],
@@ -382,7 +364,7 @@ def _multiply(stored: Array, bands: slice, factors: Array, sums: Array, order: s
 
 
 def band_totals(
-    layout: Layout, *, for_each: ForEach = in_turn
+    layout: EnviLayout, *, for_each: ForEach = in_turn
 ) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     blocks = list(row_blocks(layout, layout.bands))
     totals = np.zeros((len(blocks), layout.bands))
@@ -400,7 +382,7 @@ def band_totals(
     return totals.sum(axis=0), counts.sum(axis=0)
 
 
-def mean_spectrum(layout: Layout, rows: slice, columns: slice) -> NDArray[np.float64]:
+def mean_spectrum(layout: EnviLayout, rows: slice, columns: slice) -> NDArray[np.float64]:
     """Mean of all bands over some samples, (bands,); NaN where one is missing."""
     every = np.arange(layout.bands)
     block = sample_block(layout, rows, every, np.dtype(np.float64))
@@ -408,7 +390,7 @@ def mean_spectrum(layout: Layout, rows: slice, columns: slice) -> NDArray[np.flo
     return np.asarray(samples.mean(axis=(1, 2)))
 
 
-def row_blocks(layout: Layout, bands: int) -> Iterator[slice]:
+def row_blocks(layout: EnviLayout, bands: int) -> Iterator[slice]:
     read = bands if layout.interleave == "bsq" else layout.bands
     of_row = layout.columns * read * layout.dtype.itemsize
     step = max(1, _BLOCK_BYTES // of_row)
@@ -416,7 +398,7 @@ def row_blocks(layout: Layout, bands: int) -> Iterator[slice]:
         yield slice(start, min(start + step, layout.rows))
 
 
-def sample_block(layout: Layout, rows: slice, bands: Array, dtype: np.dtype[Any]) -> Array:
+def sample_block(layout: EnviLayout, rows: slice, bands: Array, dtype: np.dtype[Any]) -> Array:
     """Samples of some rows, (bands, rows·columns), by gain and offset; NaN where missing."""
     stored = _stored_rows(layout, rows, bands)
     if layout.interleave == "bil":
@@ -435,10 +417,10 @@ def sample_block(layout: Layout, rows: slice, bands: Array, dtype: np.dtype[Any]
     return samples
 
 
-def _stored_rows(layout: Layout, rows: slice, bands: Array) -> Array:
+def _stored_rows(layout: EnviLayout, rows: slice, bands: Array) -> Array:
     """Samples of some rows in the file's order; of its bands only these where they lie apart."""
-    if isinstance(layout, CubeInMemory):
-        return layout.samples[bands, rows]
+    if layout.in_memory is not None:
+        return layout.in_memory[bands, rows]
     count = rows.stop - rows.start
     columns, every = layout.columns, layout.bands
     start, size = layout.offset_bytes, layout.dtype.itemsize

@@ -42,7 +42,8 @@ class EnviLayout:
     """Where an ENVI file's samples lie: everything needed to map it, checked.
 
     `missing` is the sample that stands for none, of the type of `dtype`, which has the file's byte
-    order; `scaling` has a gain and an offset for each band, (2, bands), or is None.
+    order; `scaling` has a gain and an offset for each band, (2, bands), or is None. Of a cube that
+    is `in_memory`, there is no file.
     """
 
     data: Path
@@ -56,6 +57,7 @@ class EnviLayout:
     missing: np.generic | None
     scaling: NDArray[np.float64] | None
     fields: Fields
+    in_memory: NDArray[np.generic] | None = None
 
     @property
     def value_dtype(self) -> np.dtype[np.generic]:

@@ -108,7 +108,7 @@ def oversized_file(length: int) -> str:
 
 
 def _beyond(needed: int, what: str) -> str:
-    most = _SHARE * usable_bytes()
+    most = _SHARE * (usable_bytes() or 0)
     if not most or needed <= most:
         return ""
     return (

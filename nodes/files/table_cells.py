@@ -91,7 +91,7 @@ def read_once(read: Callable[Concatenate[Path, P], T]) -> Callable[Concatenate[P
         # What only writes CSV need not load numpy.
         from nodes.files.stored_bytes import readable_file
 
-        file = readable_file(path)
+        file = readable_file(path.absolute())
         status = file.stat()
         state = (status.st_size, status.st_mtime_ns)
         return read_state(file, state, *args, **kwargs)  # type: ignore[arg-type]

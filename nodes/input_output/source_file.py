@@ -23,8 +23,8 @@ from core.physics.detector.photon_conversion import PHOTON_ENERGY_J_UM
 from core.physics.radiometry.radiance_units import RadianceUnit
 from core.records import dataclass, field
 from nodes.files import envi
-from nodes.files.envi import CubeInMemory, Layout, integrate_bands
-from nodes.files.envi_header import header_beside, read_layout
+from nodes.files.envi import integrate_bands
+from nodes.files.envi_header import EnviLayout, header_beside, read_layout
 from nodes.files.formats import check_finite, read_info, read_pixels
 from nodes.files.picture_info import PictureInfo, oversized
 from nodes.files.zarr_array import is_store, readable_picture, store_state
@@ -294,9 +294,11 @@ def _is_file(*, cube: Cube, **_: Any) -> bool:
 
 
 @contextmanager
-def _opened(cube: Cube) -> Iterator[Layout]:
+def _opened(cube: Cube) -> Iterator[EnviLayout]:
     if isinstance(cube, HeldSamples):
-        yield CubeInMemory.of(cube.samples)
+        bands, rows, columns = cube.samples.shape
+        how: Any = (cube.samples.dtype, "bsq", 0, None, None, {}, cube.samples)
+        yield EnviLayout(Path(), Path(), rows, columns, bands, *how)
         return
     check_unchanged(cube.file, cube.stamps)
     yield read_layout(cube.file)

@@ -99,7 +99,7 @@ class LineOfSight(
 
     def _spectra(self, here: NodeContext) -> Axes:
         if self.psd_path is not None:
-            across, along = read_motion((here.folder / self.psd_path).absolute())
+            across, along = read_motion(here.folder / self.psd_path)
             return MotionSpectrum(points=across), MotionSpectrum(points=along)
         x, y = (MotionSpectrum(r, self.corner_Hz) for r in (self.rms_x_mrad, self.rms_y_mrad))
         return x, y

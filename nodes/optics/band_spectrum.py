@@ -42,7 +42,7 @@ def weighting_responses(
         before = magnitude.image.responses
     if path is None:
         return before
-    points = read_wavelengths((folder / path).absolute(), what="response", low=0.0, high=1.0)
+    points = read_wavelengths(folder / path, what="response", low=0.0, high=1.0)
     return (*before, ResponseCurve("file", points=points))
 
 

@@ -122,7 +122,7 @@ class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics")
         blur: tuple[Factor, ...] = ()
         shift: tuple[Factor, ...] = ()
         if self.path is not None:
-            table = read_mtf_table((here.folder / self.path).absolute(), field=self.field)
+            table = read_mtf_table(here.folder / self.path, field=self.field)
             blur, shift = self._factors(table, self._scales(table, context), here.node)
         return otf_outputs(self.apply, magnitude, phase, blur=blur, shift=shift, label=self.title)
 

@@ -134,7 +134,7 @@ class Vignetting(LightOverField, key="vignetting", title="Vignetting", group="Op
         if self.measured == "polynomial":
             return (*law.items(), ("coefficients", self.coefficients))
         assert self.path is not None
-        file, unit = (here.folder / self.path).absolute(), _UNITS[self.against]
+        file, unit = here.folder / self.path, _UNITS[self.against]
         return (*law.items(), *curve(file, "heights", unit, "relative illumination"))
 
     @warning
@@ -328,8 +328,7 @@ class MicrolensAngle(LightOverField, key="microlens", title="Microlens Angle", g
         if self.response == "half_angle":
             return (*law.items(), ("half_response_deg", self.half_response_deg))
         assert self.path is not None
-        file = (here.folder / self.path).absolute()
-        return (*law.items(), *curve(file, "angles", "deg", "response"))
+        return (*law.items(), *curve(here.folder / self.path, "angles", "deg", "response"))
 
     @property
     def off(self) -> bool:

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from functools import partial
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -22,15 +22,6 @@ from core.physics.noise import flicker_noise
 HELD_BYTES = 1 << 28
 """Waves of larger frames are drawn anew for each frame, in place of being held for all."""
 _AT_ONCE = 1 << 15  # samples, whose steps of a wave stay in the processor's cache
-
-
-def waves_of_all_frames(
-    *, stream: Stream, shape: tuple[int, int], band: flicker_noise.FlickerBand, node: str
-) -> tuple[Step, ...]:
-    """The recipe of the waves to be held for `flicker_deviates`; none where they are too large."""
-    if 3 * 8 * band.strata * shape[0] * shape[1] > HELD_BYTES:
-        return ()
-    return (Step.of(flicker_waves, node=node, stream=stream, shape=shape, band=band),)
 
 
 @ends_lineage
@@ -149,3 +140,20 @@ class SeededModule(Module):
         """Standard normal deviates of one noise field: an edit of its size draws none again."""
         stream = self.stream(here, field, fixed=fixed)
         return here.step(unit_deviates, stream=stream, shape=shape)
+
+    def flicker_field(
+        self,
+        here: NodeContext,
+        shape: tuple[int, int],
+        band: flicker_noise.FlickerBand,
+        frame_rate_Hz: float,
+        *,
+        held: bool = False,
+    ) -> Step:
+        """1/f noise of variance 1; its waves are `held` for all frames unless too large."""
+        stream = self.stream(here, "1/f", fixed=True)
+        how: Any = {"stream": stream, "shape": shape, "band": band}
+        held = held and 3 * 8 * band.strata * shape[0] * shape[1] <= HELD_BYTES
+        waves = (here.step(flicker_waves, **how),) if held else ()
+        number, frame_s = FrameNumber(), 1.0 / frame_rate_Hz
+        return here.step(flicker_deviates, *waves, number=number, frame_s=frame_s, **how)
