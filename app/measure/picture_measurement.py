@@ -14,7 +14,7 @@ from core.physics.measurement.picture_noise import FramesNoise
 from core.physics.measurement.sample_noise import LevelVariance
 from core.physics.sampling.detector_sampling import interval_mrad
 from core.records import dataclass
-from nodes.files.arrays import npy_header
+from nodes.files.arrays import is_npy, npy_header
 from nodes.files.formats import NPY, TIFF, check_finite, format_of, read_info, read_pixels
 from nodes.files.frames import FrameFile, open_frames, tiff_pages
 from nodes.files.picture_info import PictureInfo
@@ -256,7 +256,7 @@ def _of_frames(path: Path, frames: FrameFile, info: PictureInfo | None) -> Pictu
         str(path), frames.rows, frames.columns, frames.frames, 0, "", frames.unit or "", x, y,
         limits_of(frames.dtype),
         gamma="" if info is None else _gamma(info), is_lossy=info is not None and info.lossy,
-        is_stack=frames.kind == "npy" and len(npy_header(frames.path).shape) > _FLAT,
+        is_stack=is_npy(frames.path) and len(npy_header(frames.path).shape) > _FLAT,
     )  # fmt: skip
 
 

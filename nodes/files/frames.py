@@ -5,7 +5,7 @@ import os
 import shutil
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any, BinaryIO, Literal
+from typing import Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
@@ -226,36 +226,18 @@ class FrameFile:
     """A file of frames of one size; `path` is that of the data, `dtype` that of stored samples."""
 
     path: Path
-    kind: Literal["npy", "tiff", "envi"]
     frames: int
     rows: int
     columns: int
     dtype: np.dtype[Any]
     unit: str | None
+    read: Callable[[], Iterable[picture_info.Samples]] = field(compare=False)
 
     def each(self) -> Iterator[picture_info.Samples]:
         """The frames in turn, in the precision of `delivered_dtype`, all finite."""
-        read = {"npy": self._of_npy, "tiff": self._of_tiff, "envi": self._of_envi}[self.kind]
-        for number, samples in enumerate(read()):
+        for number, samples in enumerate(self.read()):
             check_finite(samples, f"{self.path}, frame {number}")
             yield samples
-
-    def _of_npy(self) -> Iterator[picture_info.Samples]:
-        header = npy_header(self.path)
-        for number in range(self.frames):
-            frame = np.empty((self.rows, self.columns), picture_info.delivered_dtype(header.dtype))
-            fill_plane(frame, self.path, header, axis=0, index=number)
-            yield frame
-
-    def _of_envi(self) -> Iterator[picture_info.Samples]:
-        layout = read_layout(self.path)
-        for number in range(self.frames):
-            yield band_of(layout, number)
-
-    def _of_tiff(self) -> Iterator[picture_info.Samples]:
-        with stored_bytes(self.path) as content:
-            for layout in _pages(content, self.path):
-                yield channel_of(content, layout, self.path)
 
 
 def open_frames(path: Path) -> FrameFile:
@@ -287,14 +269,25 @@ def _open_npy(path: Path) -> FrameFile:
     picture_info.refuse_unreal(path, dtype)
     picture_info.refuse_shape(path, shape, "(frames, rows, columns)")
     frames, rows, columns = shape if len(shape) == 3 else (1, *shape)
-    return FrameFile(path, "npy", frames, rows, columns, dtype, None)
+
+    def read() -> Iterator[picture_info.Samples]:
+        for number in range(frames):
+            frame = np.empty((rows, columns), picture_info.delivered_dtype(dtype))
+            fill_plane(frame, path, header, axis=0, index=number)
+            yield frame
+
+    return FrameFile(path, frames, rows, columns, dtype, None, read)
 
 
 def _open_envi(path: Path) -> FrameFile:
     layout = read_layout(path)
     info = info_of(layout)
     size = layout.bands, layout.rows, layout.columns
-    return FrameFile(layout.data, "envi", *size, layout.value_dtype, info.unit)
+
+    def read() -> Iterator[picture_info.Samples]:
+        return (band_of(layout, number) for number in range(layout.bands))
+
+    return FrameFile(layout.data, *size, layout.value_dtype, info.unit, read)
 
 
 def _open_tiff(path: Path) -> FrameFile:
@@ -304,16 +297,21 @@ def _open_tiff(path: Path) -> FrameFile:
         for layout in _pages(content, path):
             frames += 1
             first = layout if first is None else first
-            if _shape(layout) != _shape(first):
+            if _words(layout) != _words(first):
                 raise FileError(
                     f"{path}: the frames differ: page {frames} has {_words(layout)}, but the first "
                     f"page has {_words(first)}; allowed: frames of the same size and type"
                 )
     if first is None:
         raise FileError(f"{path}: contains no picture")
-    return FrameFile(
-        path, "tiff", frames, first.rows, first.columns, np.dtype(first.numpy_kind), unit
-    )
+
+    def read() -> Iterator[picture_info.Samples]:
+        with stored_bytes(path) as content:
+            for layout in _pages(content, path):
+                yield channel_of(content, layout, path)
+
+    dtype = np.dtype(first.dtype).newbyteorder("=")
+    return FrameFile(path, frames, first.rows, first.columns, dtype, unit, read)
 
 
 def _pages(content: StoredBytes, path: Path) -> Iterator[TiffLayout]:
@@ -328,13 +326,8 @@ def _pages(content: StoredBytes, path: Path) -> Iterator[TiffLayout]:
         yield layout
 
 
-def _shape(layout: TiffLayout) -> tuple[object, ...]:
-    return layout.rows, layout.columns, layout.numpy_kind
-
-
 def _words(layout: TiffLayout) -> str:
-    kind = np.dtype(layout.numpy_kind).name
-    return f"{layout.rows} × {layout.columns} samples of {kind}"
+    return f"{layout.rows} × {layout.columns} samples of {np.dtype(layout.dtype).name}"
 
 
 def check_one_camera(files: Sequence[FrameFile], *, of_one: str) -> None:

@@ -55,30 +55,27 @@ class _Block:
 
 @dataclass(frozen=True)
 class TiffLayout:
-    """A picture, its samples and its blocks.
+    """A picture, its samples and its blocks, of which each channel may have its own (`separate`).
 
-    `block_channels` are those of a block, 1 where each channel has blocks of its own (`separate`).
-    `numpy_kind` is that of whole-byte samples which are the numbers they stand for; None for
-    colour maps, white as 0, packed bits and the like.
+    `dtype` is that of whole-byte samples which are the numbers they stand for; None for colour
+    maps, white as 0, packed bits and the like.
     """
 
-    order: str
     rows: int
     columns: int
     wide: int
     channels: int
-    block_channels: int
     separate: bool
     compression: int
     predictor: int
-    numpy_kind: str | None
+    dtype: np.dtype[Any] | None
     blocks: tuple[_Block, ...]
 
     @property
     def is_plain(self) -> bool:
-        if self.compression not in (_NONE, *_DEFLATES) or self.numpy_kind is None:
+        if self.compression not in (_NONE, *_DEFLATES) or self.dtype is None:
             return False
-        return self.predictor in ((1, 2, 3) if self.numpy_kind.startswith("f") else (1, 2))
+        return self.predictor in ((1, 2, 3) if self.dtype.kind == "f" else (1, 2))
 
 
 def read_plain_tiff(
@@ -102,15 +99,14 @@ def read_plain_tiff(
 def channel_of(
     content: StoredBytes, layout: TiffLayout, path: Path, band: int = 0, *, empty: Empty = np.empty
 ) -> Samples:
-    kind = np.dtype(layout.numpy_kind)
-    stored_kind = np.dtype(f"{layout.order}{layout.numpy_kind}")
-    channel = empty((layout.rows, layout.columns), delivered_dtype(kind))
+    dtype = np.dtype(layout.dtype)
+    channel = empty((layout.rows, layout.columns), delivered_dtype(dtype))
     channel.fill(np.nan)
 
     def read(block: _Block) -> None:
         raw = _raw(content, layout, block, path)
-        shape = (block.rows, layout.wide, layout.block_channels)
-        samples = _unpredicted(raw, shape, layout.predictor, stored_kind)
+        shape = (block.rows, layout.wide, 1 if layout.separate else layout.channels)
+        samples = _unpredicted(raw, shape, layout.predictor, dtype)
         part = channel[block.top : block.top + block.rows, block.left : block.left + layout.wide]
         own = 0 if layout.separate else band
         part[...] = samples[: part.shape[0], : part.shape[1], own]
@@ -250,41 +246,33 @@ def _layout(order: str, tags: Tags) -> TiffLayout:
         place = (plane, top, left, lines, places[number], sizes[number])
         blocks.append(_Block(number, *place, lengths))
     return TiffLayout(
-        order=order,
         rows=rows,
         columns=columns,
         wide=wide,
         channels=channels,
-        block_channels=1 if separate else channels,
         separate=separate,
         compression=tags.get(_COMPRESSION, (_NONE,))[0],
         predictor=tags.get(_PREDICTOR, (1,))[0],
-        numpy_kind=_numpy_kind(tags, bits, channels),
+        dtype=_dtype(tags, order, bits, channels),
         blocks=tuple(blocks),
     )
 
 
-def _numpy_kind(tags: Tags, bits: tuple[int, ...], channels: int) -> str | None:
+def _dtype(tags: Tags, order: str, bits: tuple[int, ...], channels: int) -> np.dtype[Any] | None:
     formats = tags.get(_FORMAT, (1,))
     plain = tags.get(_COLOUR, (_GREY,))[0] in (_GREY, _RGB) and tags.get(_BIT_ORDER, (1,))[0] == 1
     uniform = len(set(bits)) == len(set(formats)) == 1 and len(bits) in (1, channels)
     if not plain or not uniform or bits[0] % 8 or formats[0] not in _KINDS:
         return None
     kind = f"{_KINDS[formats[0]]}{bits[0] // 8}"
-    return kind if kind in _NUMPY_KINDS else None
+    return np.dtype(order + kind) if kind in _NUMPY_KINDS else None
 
 
 def _each_block(work: Callable[[_Block], None], blocks: Iterable[_Block]) -> None:
     """Call `work` for each block, in a few threads: unpacking leaves Python's lock free."""
-    blocks = tuple(blocks)
-    threads = min(_THREADS, os.cpu_count() or 1, len(blocks))
-    if threads < 2:
-        for block in blocks:
-            work(block)
-        return
     from concurrent.futures import ThreadPoolExecutor
 
-    with ThreadPoolExecutor(threads) as pool:
+    with ThreadPoolExecutor(min(_THREADS, os.cpu_count() or 1)) as pool:
         for _ in pool.map(work, blocks):
             pass
 
