@@ -17,7 +17,7 @@ from nodes.analysis.lineage import NoiseOf, transfer_of
 from nodes.shared.context_defaults import (
     NEAR,
     alike,
-    band_caution,
+    band_warning,
     given_band,
     unit_caution,
     with_interval,
@@ -292,10 +292,7 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
             Table(table),
         )
 
-    @warning
-    def band(self, image: Image) -> Caution | None:
-        """The band entered here differs from the picture's band."""
-        return band_caution(image.band_um, self.cut_on_um, self.cut_off_um)
+    band = band_warning
 
     @warning
     def unit(self, image: Image) -> Caution | None:

@@ -108,13 +108,7 @@ class Noise3D(Module, key="noise_3d", title="3-D Noise", group="Analysis"):
         return NoiseOutputs(Curve(bars), Table(table))
 
     figures = TableFigures(
-        ("sigma_tvh", "", "Random noise of each sample, predicted."),
-        ("sigma_vh", "", "Fixed-pattern noise of each sample, predicted."),
-        ("sigma_v", "", "Fixed row noise, predicted."),
-        ("sigma_h", "", "Fixed column noise, predicted."),
-        ("sigma_t", "", "Frame-to-frame noise, predicted."),
-        ("sigma_tv", "", "Temporal row noise, predicted."),
-        ("sigma_th", "", "Temporal column noise, predicted."),
+        *((f"sigma_{n}", "", f"{MEANINGS[n].capitalize()}, predicted.") for n in COMPONENTS),
         ("temporal", "", "All temporal noise, predicted."),
         ("fixed", "", "All fixed-pattern noise, predicted."),
         ("temporal_measured", "", "All temporal noise, measured."),

@@ -17,12 +17,13 @@ from nodes.shared.context_defaults import (
     apart_caution,
     apart_from_context,
     check_given,
+    context_warning,
     first,
     given,
     given_band,
     of_context,
+    phase_warning,
     pixel_mrad,
-    unlinked_phase_caution,
 )
 from nodes.shared.module_ports import (
     Apply,
@@ -78,11 +79,11 @@ class DetectorMTF(MtfModule, key="detector_mtf", title="Detector MTF", group="De
         x, y = ({"effective_ifov_mrad": self.ifov_x_mrad(axis, context)} for axis in "xy")
         return self.separated(magnitude, here, physics.aperture_mtf, x=x, y=y)
 
-    @warning
-    def geometry(self, context: Context) -> Caution | None:
-        """The pitch, fill factor or focal length differs from the value on Init & Trans."""
-        names = ("detector_x_um", "detector_y_um", "focal_length_mm", "fill_x", "fill_y")
-        return apart_from_context(self, context, *names, where=ELECTRONICS)
+    geometry = context_warning(
+        "The pitch, fill factor or focal length differs from the value on Init & Trans.",
+        "detector_x_um detector_y_um focal_length_mm fill_x fill_y",
+        where=ELECTRONICS,
+    )
 
     @readout("mrad")
     def ifov_x_mrad(self, axis: str, context: Context) -> float:
@@ -262,12 +263,12 @@ class Crosstalk(NyquistReadouts, key="crosstalk", title="Crosstalk", group="Dete
         return 1.0 - kernel[len(kernel) // 2][len(kernel) // 2]
 
     @warning
-    def no_phase(self, outputs: OtfOutputs) -> Caution | None:
+    def no_phase(self, outputs: OtfOutputs) -> Any:
         """The PTF is not applied to the picture."""
         kernel = physics.crosstalk_kernel(self.kernel)
         if kernel == tuple(row[::-1] for row in kernel[::-1]):
             return None
-        return unlinked_phase_caution(self.apply, outputs.phase, outputs.ptf)
+        return phase_warning(self, outputs)
 
     @readout("%")
     def crosstalk_percent(self) -> float:

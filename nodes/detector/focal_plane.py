@@ -272,10 +272,7 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
         back = here.step(steps.radiance_of_electrons, electrons, levels)
         return image.with_recipe(back)
 
-    @warning
-    def unit(self, image: Image) -> Caution | None:
-        """The picture is not in units of radiance."""
-        return context_defaults.unit_caution(image.unit, meant="counting photons")
+    unit = context_defaults.unit_warning("counting photons")
 
     @warning
     def band(self, image: Image, context: Context) -> Caution | None:
@@ -326,10 +323,7 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
                 )
         return None
 
-    @warning
-    def transmission(self, context: Context) -> Caution | None:
-        """The transmission is not used, because the T-number includes it."""
-        return context_defaults.t_number_caution(context, self.optics_transmission)
+    transmission = context_defaults.t_number_warning
 
     @warning
     def stages(self, image: Image) -> Caution | None:

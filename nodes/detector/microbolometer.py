@@ -329,25 +329,12 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
         fields = [self._over_frames(field, self._filter(), here, size) for field, size in pairs]
         return here.step(with_temporal_noise, picture, *fields, white=white, flicker=flicker)
 
-    @warning
-    def unit(self, image: Image) -> Caution | None:
-        """The picture is not in units of radiance."""
-        return context_defaults.unit_caution(image.unit, meant="a NETD")
-
-    @warning
-    def band(self, image: Image) -> Caution | None:
-        """The band entered here differs from the picture's band."""
-        return context_defaults.band_caution(image.band_um, self.cut_on_um, self.cut_off_um)
-
-    @warning
-    def aperture(self, context: Context) -> Caution | None:
-        """The F-number differs from the value on Init & Trans."""
-        return context_defaults.apart_from_context(self, context, "f_number")
-
-    @warning
-    def transmission(self, context: Context) -> Caution | None:
-        """The transmission is not used, because the T-number includes it."""
-        return context_defaults.t_number_caution(context, self.optics_transmission)
+    unit = context_defaults.unit_warning("a NETD")
+    band = context_defaults.band_warning
+    aperture = context_defaults.context_warning(
+        "The F-number differs from the value on Init & Trans.", "f_number"
+    )
+    transmission = context_defaults.t_number_warning
 
     @warning
     def settling(self) -> Caution | None:

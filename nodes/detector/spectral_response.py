@@ -27,7 +27,7 @@ from core.physics.detector.photon_conversion import (
 from core.physics.radiometry.planck import brightness_temperature
 from core.physics.radiometry.spectra import SUNLIGHT_K
 from nodes.files.curve_tables import read_wavelengths
-from nodes.shared.context_defaults import Band, unit_caution
+from nodes.shared.context_defaults import Band, unit_warning
 from nodes.shared.module_ports import ImageOutput, WeightingSource
 from nodes.shared.steps import AboutMean, mean_of
 
@@ -152,10 +152,7 @@ class SpectralResponse(
             return None
         return response_preview(response, planned.inputs["image"], work)
 
-    @warning
-    def unit(self, image: Image) -> Caution | None:
-        """The picture is not in units of radiance."""
-        return unit_caution(image.unit, meant="weighting over wavelength")
+    unit = unit_warning("weighting over wavelength")
 
     @warning
     def source(self, image: Image) -> Caution | None:

@@ -39,7 +39,7 @@ from nodes.electronics import noise_steps as steps
 from nodes.electronics.noise_steps import detector_figures, figures
 from nodes.input_output.sample_unit import radiance_caution
 from nodes.shared import context_defaults
-from nodes.shared.context_defaults import apart_caution, band_caution, is_radiance, unit_caution
+from nodes.shared.context_defaults import apart_caution, band_warning, is_radiance, unit_warning
 from nodes.shared.deviates import SEED_SECTIONS, SeededModule
 from nodes.shared.module_ports import CutOff, CutOn, TableFigures, separable, transfers
 from nodes.shared.steps import difference, filtered_lines, picture_range, quantized
@@ -392,20 +392,9 @@ class ElectronicsNoise(
         limits = here.step(steps.value_range, picture, low=low, high=high)
         return here.step(quantized, picture, limits, bits=self.bits)
 
-    @warning
-    def band(self, image: Image) -> Caution | None:
-        """The band entered here differs from the picture's band."""
-        return band_caution(image.band_um, self.cut_on_um, self.cut_off_um)
-
-    @warning
-    def transmission(self, context: Context) -> Caution | None:
-        """The transmission is not used, because the T-number includes it."""
-        return context_defaults.t_number_caution(context, self.optics_transmission)
-
-    @warning
-    def unit(self, image: Image) -> Caution | None:
-        """The picture is not in units of radiance."""
-        return unit_caution(image.unit, meant="NER, NETD and D*")
+    band = band_warning
+    transmission = context_defaults.t_number_warning
+    unit = unit_warning("NER, NETD and D*")
 
     @warning
     def radiance(self, image: Image) -> Step | None:

@@ -3,10 +3,10 @@
 from typing import Any, Literal
 
 from core.chain.wires import Context, Magnitude
-from core.modules.declaration import Caution, Formula, NodeContext, Section, param, readout, warning
+from core.modules.declaration import Formula, NodeContext, Section, param, readout
 from core.physics.sampling import platform_motion
 from core.transfer.factors import Law, Planar
-from nodes.shared.context_defaults import apart_from_context, given
+from nodes.shared.context_defaults import context_warning, given
 from nodes.shared.module_ports import MtfModule, MtfOutputs
 
 
@@ -34,10 +34,9 @@ class CrosstrackMTF(MtfModule, key="crosstrack_mtf", title="Crosstrack MTF", gro
         x = {"blur_mrad": blur} if blur else None
         return self.separated(magnitude, here, platform_motion.motion_mtf, x=x)
 
-    @warning
-    def velocity(self, context: Context) -> Caution | None:
-        """The scan velocity differs from the value on Init & Trans."""
-        return apart_from_context(self, context, "scan_velocity_mrad_per_s")
+    velocity = context_warning(
+        "The scan velocity differs from the value on Init & Trans.", "scan_velocity_mrad_per_s"
+    )
 
     @readout("mrad")
     def blur_mrad(self, context: Context) -> float:
@@ -76,15 +75,10 @@ class AlongtrackMTF(MtfModule, key="alongtrack_mtf", title="Alongtrack MTF", gro
         y = {"blur_mrad": blur} if blur else None
         return self.separated(magnitude, here, platform_motion.motion_mtf, y=y)
 
-    @warning
-    def distance(self, context: Context) -> Caution | None:
-        """The range differs from the value on Init & Trans."""
-        return apart_from_context(self, context, "range_m")
-
-    @warning
-    def velocity(self, context: Context) -> Caution | None:
-        """The velocity differs from the value on Init & Trans."""
-        return apart_from_context(self, context, "velocity_m_per_s")
+    distance = context_warning("The range differs from the value on Init & Trans.", "range_m")
+    velocity = context_warning(
+        "The velocity differs from the value on Init & Trans.", "velocity_m_per_s"
+    )
 
     @readout("mrad")
     def blur_y_mrad(self, context: Context) -> float:
@@ -149,10 +143,7 @@ class RelativeMotionMTF(
         across, along = ({"blur_mrad": blur} if blur else None for blur in (x, y))
         return self.separated(magnitude, here, platform_motion.motion_mtf, x=across, y=along)
 
-    @warning
-    def distance(self, context: Context) -> Caution | None:
-        """The range differs from the value on Init & Trans."""
-        return apart_from_context(self, context, "range_m")
+    distance = context_warning("The range differs from the value on Init & Trans.", "range_m")
 
     @readout("mrad")
     def blur_x_mrad(self, axis: str, context: Context) -> float:

@@ -12,7 +12,7 @@ from core.chain.wires import Magnitude
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe, Step, in_blocks
 from core.evaluation.work import Work
-from core.modules.declaration import Caution, Param
+from core.modules.declaration import Caution, Param, warning
 from core.physics.detector.detectivity import ResponseCurve
 from core.physics.detector.photon_conversion import SHORTEST_THERMAL_UM
 from core.physics.radiometry.planck import brightness_temperature
@@ -132,8 +132,10 @@ def kelvin_caution(magnitude: Magnitude, band: Band, source_K: float | None) -> 
     )
 
 
-def one_wavelength_caution(response: Path | None, one: bool) -> Caution | None:
-    if response is None or not one:
+@warning
+def response_warning(module: Any) -> Caution | None:
+    """A response is entered, but it has no effect with a single wavelength."""
+    if module.response is None or module.wavelengths != 1:
         return None
     return Caution(
         "the response is not used: a single wavelength represents the band", "use more wavelengths"

@@ -28,7 +28,7 @@ from nodes.shared.context_defaults import (
     apart,
     apart_from_context,
     given_band,
-    middle_caution,
+    middle_warning,
 )
 from nodes.shared.steps import number
 
@@ -233,10 +233,7 @@ class DiffractionMTF(
             return None
         return band_spectrum.source_temperature(self.source_K, magnitude, band, node)
 
-    @warning
-    def band(self, context: Context) -> Caution | None:
-        """Diffraction is computed for wavelengths outside the picture's band."""
-        return middle_caution(context.band_um, self.cut_on_um, self.cut_off_um)
+    band = middle_warning
 
     @warning
     def aperture(self, context: Context) -> Caution | None:
@@ -253,10 +250,7 @@ class DiffractionMTF(
         """The picture is in kelvin, and diffraction blurs it as if it were radiance."""
         return band_spectrum.kelvin_caution(magnitude, self._band(context), self.source_K)
 
-    @warning
-    def response_unused(self) -> Caution | None:
-        """A response is entered, but it has no effect with a single wavelength."""
-        return band_spectrum.one_wavelength_caution(self.response, self.wavelengths == 1)
+    response_unused = band_spectrum.response_warning
 
     @readout("mm", name="aperture_mm")
     def diameter(self, context: Context) -> float:

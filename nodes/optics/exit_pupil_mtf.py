@@ -22,12 +22,12 @@ from core.transfer.factors import Array, Law, Planar, WavelengthLaw
 from nodes.optics.band_spectrum import (
     DetectorResponse,
     at_each_band,
-    one_wavelength_caution,
+    response_warning,
     source_temperature,
     weighting_responses,
 )
 from nodes.shared import module_ports
-from nodes.shared.context_defaults import F_NUMBER_NEAR, alike, given_band, middle_caution
+from nodes.shared.context_defaults import F_NUMBER_NEAR, alike, given_band, middle_warning
 from nodes.shared.steps import number
 
 SAME_WAVELENGTH = 1e-6  # share by which two may differ, as bands are typed in
@@ -369,10 +369,7 @@ class ExitPupilMTF(
             self.apply, magnitude, phase, blur=(blur,), shift=shifts, label=label
         )
 
-    @warning
-    def band(self, context: Context) -> Caution | None:
-        """Diffraction is computed for wavelengths outside the picture's band."""
-        return middle_caution(context.band_um, self.cut_on_um, self.cut_off_um)
+    band = middle_warning
 
     @warning
     def aperture(self, context: Context, pupil: Pupil) -> Caution | None:
@@ -390,10 +387,7 @@ class ExitPupilMTF(
             "make size_x_cm and the pupil's radius agree with f_number and focal_length_mm",
         )
 
-    @warning
-    def response_unused(self) -> Caution | None:
-        """A response is entered, but it has no effect with a single wavelength."""
-        return one_wavelength_caution(self.response, self.wavelengths == 1)
+    response_unused = response_warning
 
     def _scale(self, context: Context, pupil: Pupil) -> PupilScale:
         """Wavelengths over the band, which count alike."""

@@ -251,18 +251,12 @@ class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics")
             "check the table; measure the MTF in pictures that are not sharpened",
         )
 
-    @warning
-    def no_phase(self, outputs: OtfOutputs) -> Caution | None:
-        """The PTF is not applied to the picture."""
-        return context_defaults.unlinked_phase_caution(self.apply, outputs.phase, outputs.ptf)
-
-    @warning
-    def geometry(self, context: Context) -> Caution | None:
-        """The pitch or focal length differs from the value on Init & Trans."""
-        names = ("focal_length_mm", "detector_x_um", "detector_y_um")
-        return context_defaults.apart_from_context(
-            self, context, *names, where=context_defaults.ELECTRONICS
-        )
+    no_phase = context_defaults.phase_warning
+    geometry = context_defaults.context_warning(
+        "The pitch or focal length differs from the value on Init & Trans.",
+        "focal_length_mm detector_x_um detector_y_um",
+        where=context_defaults.ELECTRONICS,
+    )
 
     @readout("cyc/mrad")
     def end_x(self, axis: str, outputs: OtfOutputs) -> float | None:

@@ -12,7 +12,7 @@ from core.physics.optics.blur import PointSpread, coarseness, edge_share, sample
 from core.transfer.factors import Factor, Law, Planar
 from nodes.files.formats import check_finite
 from nodes.optics.mtf_file import LensSource, lens_source, stored_samples
-from nodes.shared.context_defaults import apart_from_context, given, unlinked_phase_caution
+from nodes.shared.context_defaults import apart_from_context, given, phase_warning
 from nodes.shared.module_ports import Apply, NyquistReadouts, OtfOutputs, otf_outputs
 
 EDGE_ENERGY = 0.01  # of the whole, above which the border is warned of
@@ -163,10 +163,7 @@ class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics")
         psf = _psf_of(outputs)
         return None if psf is None else Step.of(_coarse_caution, psf)
 
-    @warning
-    def no_phase(self, outputs: OtfOutputs) -> Caution | None:
-        """The PTF is not applied to the picture."""
-        return unlinked_phase_caution(self.apply, outputs.phase, outputs.ptf)
+    no_phase = phase_warning
 
     @warning
     def geometry(self, context: Context) -> Caution | None:

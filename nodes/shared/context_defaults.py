@@ -4,9 +4,9 @@ from collections.abc import Mapping
 from functools import lru_cache
 from typing import Any
 
-from core.chain.wires import Context, Image, Magnitude, Phase, Transfer
+from core.chain.wires import Context, Image, Magnitude, Phase
 from core.errors import DataError, ParameterError, unit_of
-from core.modules.declaration import Caution, Module, declaration
+from core.modules.declaration import Caution, Module, declaration, warning
 from core.physics.detector.focal_plane_array import Irradiance, solid_angle
 from core.physics.radiometry.radiance_units import RadianceUnit, radiance_unit
 from core.physics.sampling.detector_sampling import ifov_mrad, interval_mrad
@@ -96,7 +96,10 @@ def lens(context: Context, *, optics_transmission: float, f_number: float | None
     return replace(lossless, transmission=share) if share <= 1.0 else clear
 
 
-def t_number_caution(context: Context, optics_transmission: float) -> Caution | None:
+@warning
+def t_number_warning(module: Any, context: Context) -> Caution | None:
+    """The transmission is not used, because the T-number includes it."""
+    optics_transmission = module.optics_transmission
     if context.t_number is None or optics_transmission == 1.0:
         return None
     own = lens(context, optics_transmission=1.0).transmission
@@ -201,10 +204,18 @@ def unit_caution(unit: str, *, meant: str) -> Caution | None:
     )
 
 
-def band_caution(
-    picture: Band | None, cut_on_um: float | None, cut_off_um: float | None
-) -> Caution | None:
-    """A band of a module that is not the picture's, whose radiance it takes."""
+def unit_warning(meant: str) -> Any:
+    def unit(_: Module, image: Image) -> Caution | None:
+        """The picture is not in units of radiance."""
+        return unit_caution(image.unit, meant=meant)
+
+    return warning(unit)
+
+
+@warning
+def band_warning(module: Any, image: Image) -> Caution | None:
+    """The band entered here differs from the picture's band."""
+    picture, cut_on_um, cut_off_um = image.band_um, module.cut_on_um, module.cut_off_um
     if picture is None or (cut_on_um is None and cut_off_um is None):
         return None
     low = picture[0] if cut_on_um is None else cut_on_um
@@ -239,10 +250,10 @@ def wavelength_caution(
     )
 
 
-def middle_caution(
-    picture: Band | None, cut_on_um: float | None, cut_off_um: float | None
-) -> Caution | None:
-    """A band of a module whose middle lies outside the picture's; an empty end is that."""
+@warning
+def middle_warning(module: Any, context: Context) -> Caution | None:
+    """Diffraction is computed for wavelengths outside the picture's band."""
+    picture, cut_on_um, cut_off_um = context.band_um, module.cut_on_um, module.cut_off_um
     if picture is None or (cut_on_um is None and cut_off_um is None):
         return None
     low = picture[0] if cut_on_um is None else cut_on_um
@@ -295,9 +306,21 @@ def alike(one: float, other: float, *, near: float = NEAR) -> bool:
     return abs(one - other) <= near * max(abs(one), abs(other))
 
 
-def unlinked_phase_caution(apply: str, phase: Phase, ptf: Transfer) -> Caution | None:
-    """A PTF that is left out because no phase is linked; alone (`apply`) it needs none."""
-    if apply != "multiply" or phase.image is not None or not ptf.factors:
+def context_warning(meaning: str, names: str, *, where: str = "on Init & Trans") -> Any:
+    """A warning of parameters, named one behind the other, that are not those of Init & Trans."""
+
+    def differs(module: Module, context: Context) -> Caution | None:
+        return apart_from_context(module, context, *names.split(), where=where)
+
+    differs.__doc__ = meaning
+    return warning(differs)
+
+
+@warning
+def phase_warning(module: Any, outputs: Any) -> Caution | None:
+    """The PTF is not applied to the picture."""
+    linked = outputs.phase.image is not None
+    if module.apply != "multiply" or linked or not outputs.ptf.factors:
         return None
     return Caution(
         "the PTF is left out of the picture: phase is not connected",

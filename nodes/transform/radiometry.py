@@ -9,10 +9,10 @@ from core.chain.wires import Image
 from core.errors import DataError
 from core.evaluation.recipes import Recipe, Step, pointwise
 from core.evaluation.work import Work
-from core.modules.declaration import Caution, Formula, Module, NodeContext, Section, param, warning
+from core.modules.declaration import Formula, Module, NodeContext, Section, param
 from core.physics.radiometry import spectra
 from nodes.shared.context_defaults import (
-    band_caution,
+    band_warning,
     given_band,
     is_radiance,
     is_temperature,
@@ -136,10 +136,7 @@ class Radiometry(Module):
             )
         return (emissivity.recipe,)
 
-    @warning
-    def band(self, image: Image) -> Caution | None:
-        """The band entered here differs from the picture's band."""
-        return band_caution(image.band_um, self.cut_on_um, self.cut_off_um)
+    band = band_warning
 
 
 class ToRadiance(Radiometry, key="to_radiance", title="To Radiance", group="Transform"):
