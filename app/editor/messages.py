@@ -1,6 +1,7 @@
 """Messages and questions; none stops the window in a loop of its own."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 from typing import Any, Literal, get_args
@@ -24,6 +25,7 @@ from PySide6.QtWidgets import (
 
 from app.editor.theme import CHANGED, ERROR, FAINT
 from app.editor.widgets import ElidedLabel, filled, labelled, plain_label, tool_button
+from core.errors import ImagechainError
 from nodes.files.file_format import dialog_filter
 from nodes.files.formats import PICTURES
 
@@ -33,6 +35,15 @@ _GRAVEST_FIRST = tuple(reversed(get_args(Severity)))
 _MOST = 2  # notices in sight
 
 _SIGNS = {"information": "●", "warning": "▲", "error": "■"}  # told apart without colours
+
+
+@contextmanager
+def told(report: Callable[[str, str], object], before: str = "") -> Iterator[None]:
+    """Report an error of what is done inside, after these words, and go on behind it."""
+    try:
+        yield
+    except ImagechainError as error:
+        report("error", f"{before}{error}")
 
 
 def sentence(line: str) -> str:
@@ -168,17 +179,8 @@ class StatusBar(QWidget):
         filled(QHBoxLayout(self), None, *parts, margins=(8, 0, 4, 0))
         self.show_busy(None)
 
-    @property
-    def error(self) -> str:
-        return self._of("error")
-
-    @property
-    def warning(self) -> str:
-        return self._of("warning")
-
-    @property
-    def note(self) -> str:
-        return self._of("information")
+    def said(self, severity: Severity) -> str:
+        return dict(self._said).get(severity, "")
 
     def report(self, kind: str, text: str) -> None:
         """Show a "note", "warning" or "error"; an empty one takes the last of its kind away."""
@@ -219,9 +221,6 @@ class StatusBar(QWidget):
         actions = self._menus.actions()
         left = self._menus.actionGeometry(actions[-1]).right() + 1 if actions else 0
         self.setGeometry(left, 0, max(0, self._menus.width() - left), self._menus.height())
-
-    def _of(self, severity: Severity) -> str:
-        return dict(self._said).get(severity, "")
 
     def _drop(self, *severities: str) -> None:
         kept = [one for one in self._said if one[0] not in severities]

@@ -7,6 +7,7 @@ from typing import Any
 from PySide6.QtCore import QObject, Signal
 
 from app.editor.declared_text import FreeNumbers, error_text
+from app.editor.messages import told
 from app.run.staging import read_record, remember_chosen
 from core.editing.document import Document
 from core.editing.macros import at_level
@@ -160,15 +161,13 @@ class Session(QObject):
     def save(self, path: Path | None = None, *, over: bool = False) -> bool:
         """Save the document, `over` another program's changes too; whether that worked."""
         before = self.document.path
-        try:
+        with told(self.message.emit, "not saved: "):
             self.document.save(path, over=over)
-        except ImagechainError as error:
-            self.message.emit("error", f"not saved: {error}")
-            return False
-        self.state_changed.emit()
-        if self.document.path is not None:
-            self._remember(self.document.path, before)
-        return True
+            self.state_changed.emit()
+            if self.document.path is not None:
+                self._remember(self.document.path, before)
+            return True
+        return False
 
     @property
     def chosen_outputs(self) -> tuple[Path, ...]:

@@ -6,7 +6,6 @@ from statistics import median
 
 from PySide6.QtWidgets import QApplication
 
-from app.editor.window.files import Opened
 from core.editing.document import Document
 from core.editing.operations import move_nodes
 from core.network.network import Link, Network, Node
@@ -41,7 +40,7 @@ def main() -> None:
         settle(window)
         document = Document(large_network(), library=library)
         start = time.perf_counter()
-        window.files.show(Opened(document))
+        window.files.show(document)
         QApplication.processEvents()
         loaded = time.perf_counter() - start
         settle(window)

@@ -16,7 +16,7 @@ from PySide6.QtCore import QPoint, Qt, QTimer
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QSlider, QStyle, QStyleOptionSlider
 
-from app.editor.window.files import Opened, open_named
+from app.editor.window.files import open_named
 from app.editor.window.main_window import MainWindow
 from core.editing.document import Document
 from core.editing.operations import set_parameter
@@ -85,10 +85,10 @@ def open_slider(
 ) -> QSlider:
     """Open the Kodak chain with pictures of size², nothing computed yet but what is shown."""
     library = window.session.library
-    network = open_named("kodak_kir310", library=library).document.network
+    network = open_named("kodak_kir310", library=library)[0].network
     for side in ("width", "height"):
         network = set_parameter("scene", side, size).apply(network)
-    window.files.show(Opened(Document(replace(network), library=library)))
+    window.files.show(Document(replace(network), library=library))
     settle(window)
     window.session.select([node])
     settle(window)

@@ -230,7 +230,7 @@ class WindowSession(NewerActions):
 
     def check_saved(self):
         path = self.folder / "session.json"
-        assert self.session.save(path, over=True), self.window.status.error
+        assert self.session.save(path, over=True), self.window.status.said("error")
         loaded = read_network(path, library=self.library)
         assert format_network(loaded, library=self.library) == self.text(), "the file differs"
         assert not self.session.document.modified

@@ -13,7 +13,7 @@ from pathlib import Path
 from PySide6.QtCore import QEvent, QObject, QPoint, Qt
 from PySide6.QtWidgets import QSlider
 
-from app.editor.window.files import Opened, open_named
+from app.editor.window.files import open_named
 from app.editor.window.main_window import MainWindow
 from app.editor.window.recent_files import Settings
 from app.editor.window.start import application, settle
@@ -128,10 +128,10 @@ def group(clip, name):
 
 def sharper(library):
     """The network with less blur of its own, so that what the slider does is seen."""
-    network = open_named(NETWORK, library=library).document.network
+    network = open_named(NETWORK, library=library)[0].network
     for name in ("sigma_x_mrad", "sigma_y_mrad"):
         network = set_parameter("blur", name, BLUR_MRAD).apply(network)
-    return Opened(Document(network, library=library))
+    return Document(network, library=library)
 
 
 def make_room(window):

@@ -304,10 +304,10 @@ class Builder(ValuesByHand):
         self.hands.drag(
             self.port("scene", "image", "output"), self.port("detector", "magnitude", "input")
         )
-        wait_until(lambda: self.window.status.error, "it is refused")
+        wait_until(lambda: self.window.status.said("error"), "it is refused")
         assert self.network is before
-        assert "image" in self.window.status.error
-        assert "magnitude" in self.window.status.error
+        assert "image" in self.window.status.said("error")
+        assert "magnitude" in self.window.status.said("error")
 
     def drop_on_wire(self, name):
         link = Link("init", "magnitude", "detector", "magnitude")

@@ -52,7 +52,7 @@ def saved_as(place, window, hands, to_canvas):
     hands.type(place)
     hands.keys("Return")
     wait_until(lambda: window.findChild(QFileDialog) is None, "it is closed", SOON_S)
-    return window.status.error
+    return window.status.said("error")
 
 
 def main(folder):

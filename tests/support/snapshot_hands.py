@@ -44,7 +44,7 @@ class Person:
 
     @property
     def status(self):
-        return self.window.status.note
+        return self.window.status.said("information")
 
     def drawn_at(self, row, column):
         """The grey of a dot of the picture as it is painted."""

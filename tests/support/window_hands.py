@@ -7,7 +7,7 @@ from PySide6.QtGui import QDragEnterEvent, QDragMoveEvent, QDropEvent, QWheelEve
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QFileDialog, QLineEdit, QMessageBox, QPushButton
 
-from app.editor.window.files import Opened, shipped_copy
+from app.editor.window.files import shipped_copy
 from canvas_hands import PLAIN, CanvasHands
 from child_process import PATIENCE_S
 from core.editing.document import Document
@@ -103,7 +103,7 @@ def show_small(window, name, size=128):
         library=window.session.library,
         path=SHIPPED / f"{name}.json",
     )
-    window.files.show(Opened(shipped_copy(document)))
+    window.files.show(shipped_copy(document))
 
 
 def answer(qtbot, window, button):

@@ -15,6 +15,7 @@ from app.editor.canvas.canvas_style import face_of, geometry_of
 from app.editor.canvas.node_item import NodePort
 from app.editor.canvas.placing import Surface, added, free_place, show_new, two_places
 from app.editor.library_view import found_by
+from app.editor.messages import told
 from app.editor.theme import FAINT
 from app.editor.widgets import RIGHT, filled, labelled, search_field
 from core.editing.layout import Point
@@ -30,7 +31,6 @@ from core.editing.wiring import (
     wired_behind,
     wired_to,
 )
-from core.errors import ImagechainError
 from core.modules.declaration import Library, Port, declaration, local_key
 from core.network.macro import declared_node
 from core.network.network import Link, Network, Node
@@ -397,13 +397,10 @@ class Adding:
     ) -> None:
         surface, session = self._surface, self._surface.session
         removing = rewire(remove=(loose,) if loose is not None else ())
-        try:
+        with told(session.message.emit):
             name, operation = wiring(removing.apply(session.network), session.library)
-        except ImagechainError as error:
-            session.message.emit("error", str(error))
-            return
-        if session.do(together((removing, operation), operation.text)):
-            show_new(surface, name)
+            if session.do(together((removing, operation), operation.text)):
+                show_new(surface, name)
 
     def _disconnect_loose(self) -> None:
         if self._loose is not None:

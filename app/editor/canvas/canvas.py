@@ -15,8 +15,8 @@ from app.editor import widgets
 from app.editor.canvas.adding import Adding, ChoicePopup
 from app.editor.canvas.canvas_style import COLOUR, TINTS, CanvasStyle
 from app.editor.canvas.canvas_view import GraphView, Minimap
-from app.editor.canvas.content import Content, Hit, Marks, node_at
-from app.editor.canvas.mouse import Dots, Mouse, backdrop_at, moved_together
+from app.editor.canvas.content import Content, Hit, node_at
+from app.editor.canvas.mouse import Mouse, add_dot, backdrop_at, moved_together, nudge_dot
 from app.editor.canvas.node_item import BackdropItem
 from app.editor.canvas.node_thumbnails import NodeThumbnails
 from app.editor.canvas.placing import Dropping, Surface
@@ -45,23 +45,20 @@ class Canvas(QWidget):
         self.setFocusProxy(self.view)
         self.content = Content(self.view.scene(), session.library, style)
         self.surface = surface = Surface(session, self.view, self.content, self)
+        self.marks = surface.marks
         self._hint = widgets.labelled(
             widgets.centred_hint(TEXT, self.view.viewport()), "canvas.empty_hint"
         )
         self._hint.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
         self._hint.setForegroundRole(FAINT)
         widgets.filled(QVBoxLayout(self.view.viewport()), self._hint)
-        self.marks = Marks(self.content)
         self.minimap = Minimap(self.view, self.content)
         self.popup = ChoicePopup(self.view)
         self.title_editor = TitleEditor(self.view)
         self.adding = Adding(surface, self.popup)
-        self.dots = Dots(surface, self.marks)
-        self.mouse = self.view.mouse = Mouse(
-            surface, self.marks, self.dots, self.adding.ask_for_wire
-        )
-        self.view.keys = Keys(surface, self.marks, self.dots)
-        self.menus = self.view.menus = Menus(surface, self.marks, self.dots, self)
+        self.mouse = self.view.mouse = Mouse(surface, self.adding.ask_for_wire)
+        self.view.keys = Keys(surface)
+        self.menus = self.view.menus = Menus(surface, self)
         self.view.dropping = Dropping(surface)
         widgets.filled(QVBoxLayout(self), self.view)
         self._connect()
@@ -113,7 +110,7 @@ class Canvas(QWidget):
         self._edit_title(len(self.content.backdrops) - 1)
 
     def add_dot(self) -> None:
-        self.dots.add(self.surface.pointer)
+        add_dot(self.surface, self.surface.pointer)
 
     def changeEvent(self, event: QEvent) -> None:
         super().changeEvent(event)
@@ -175,8 +172,8 @@ TEXT = "Press Tab or double-click to add a module, drag one from the library, or
 
 
 class Menus:
-    def __init__(self, surface: Surface, marks: Marks, dots: Dots, parent: QWidget) -> None:
-        self._dots, self._surface, self._marks = dots, surface, marks
+    def __init__(self, surface: Surface, parent: QWidget) -> None:
+        self._surface, self._marks = surface, surface.marks
         self.node_menu = _menu("canvas.menu.node", parent)
         self.canvas_menu = _menu("canvas.menu.canvas", parent)
         self.wire_menu = _menu("canvas.menu.wire", parent)
@@ -188,7 +185,7 @@ class Menus:
         self.wire_menu.addAction("&Disconnect").triggered.connect(self._disconnect)
         self._add_dot = self.wire_menu.addAction("&Add Dot")
         self._add_dot.setToolTip("Add a dot here to bend the wire (R, or double-click)")
-        self._add_dot.triggered.connect(lambda: dots.add(self._pos))
+        self._add_dot.triggered.connect(lambda: add_dot(surface, self._pos))
         self._pos: QPoint | None = None
         self.backdrop_menu.addAction("&Edit Title").triggered.connect(self._edit_title)
         self.backdrop_menu.addAction("&Delete Backdrop").triggered.connect(self.delete_backdrop)
@@ -294,8 +291,8 @@ class Keys:
     they go from node to node. Shift with Ctrl adds to the selection.
     """
 
-    def __init__(self, surface: Surface, marks: Marks, dots: Dots) -> None:
-        self._surface, self._marks, self._dots = surface, marks, dots
+    def __init__(self, surface: Surface) -> None:
+        self._surface, self._marks = surface, surface.marks
         self._nudging = False
 
     def press(self, event: QKeyEvent) -> bool:
@@ -328,7 +325,7 @@ class Keys:
         going = bool(keys & Qt.KeyboardModifier.ControlModifier)
         shift = bool(keys & Qt.KeyboardModifier.ShiftModifier)
         step = _FINE if shift else _NUDGE
-        if not (going or selected) and self._dots.nudge(QPointF(*arrow) * step):
+        if not (going or selected) and nudge_dot(self._surface, QPointF(*arrow) * step):
             self._nudging = True
         elif going or not (selected or self._marks.backdrop is not None):
             self._go(arrow, adding=shift)

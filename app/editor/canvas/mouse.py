@@ -11,7 +11,6 @@ from PySide6.QtWidgets import QToolTip
 
 from app.editor.canvas.content import (
     Hit,
-    Marks,
     node_at,
     place_on_wire,
     port_near,
@@ -132,9 +131,8 @@ _VIEWING = _CTRL | _SHIFT
 class Mouse:
     """Begins gestures, leads them and ends them. `dropped` is called for wires on empty ground."""
 
-    def __init__(self, surface: Surface, marks: Marks, dots: Dots, dropped: Dropped) -> None:
-        self._dots, self._dropped = dots, dropped
-        self._surface, self._marks = surface, marks
+    def __init__(self, surface: Surface, dropped: Dropped) -> None:
+        self._surface, self._marks, self._dropped = surface, surface.marks, dropped
         self._gesture: Gesture | None = None
         self._button = Qt.MouseButton.NoButton
 
@@ -186,7 +184,7 @@ class Mouse:
         elif hit.wire is None:
             self._surface.search_wanted.emit(point)
         elif hit.dot is None:
-            self._dots.add_at(hit.wire, point)
+            add_dot_at(self._surface, hit.wire, point)
 
     def _begun(self, event: QMouseEvent, pos: QPoint) -> Gesture | None:
         surface, keys = self._surface, event.modifiers()
@@ -448,52 +446,50 @@ def _dot_drag(surface: Surface, pos: QPoint, wire: WireItem, index: int) -> Gest
     return Gesture(surface, pos, drag, drop, surface.content.restore)
 
 
-class Dots:
-    """What is done at once, without a drag, with dots of the wire that is selected."""
+# What is done at once, without a drag, with dots of the wire that is selected.
 
-    def __init__(self, surface: Surface, marks: Marks) -> None:
-        self._surface = surface
-        self._marks = marks
 
-    def add_at(self, wire: WireItem, point: QPointF) -> None:
-        index = place_on_wire(wire, point)
-        session, link = self._surface.session, wire.link
-        if session.do(backdrops.add_dot(session.network, link, index, whole(point))):
-            session.select(())
-            self._marks.choose(link, None, index)
+def add_dot_at(surface: Surface, wire: WireItem, point: QPointF) -> None:
+    index = place_on_wire(wire, point)
+    session, link = surface.session, wire.link
+    if session.do(backdrops.add_dot(session.network, link, index, whole(point))):
+        session.select(())
+        surface.marks.choose(link, None, index)
 
-    def add(self, pos: QPoint | None) -> None:
-        """Bend the wire at a pixel, else the selected one, else the first at the selected node."""
-        surface = self._surface
-        if pos is not None:
-            point = surface.view.scene_point(pos)
-            for wire in wires_near(surface.content, point, _REACH_PX / surface.view.zoom):
-                self.add_at(wire, point)
-                return
-        chosen = self._marks.wire
-        if chosen is None:
-            for name in surface.session.selection[-1:]:
-                wires = surface.content.wires_at(name)
-                chosen = min(wires, key=lambda wire: wire.link.source != name, default=None)
-        if chosen is None:
-            text = "point at a wire or select one to bend it with a dot"
-            surface.session.message.emit("note", text)
+
+def add_dot(surface: Surface, pos: QPoint | None) -> None:
+    """Bend the wire at a pixel, else the selected one, else the first at the selected node."""
+    if pos is not None:
+        point = surface.view.scene_point(pos)
+        for wire in wires_near(surface.content, point, _REACH_PX / surface.view.zoom):
+            add_dot_at(surface, wire, point)
             return
-        line = chosen.line()
-        self.add_at(chosen, line[len(line) // 2])
+    chosen = surface.marks.wire
+    if chosen is None:
+        for name in surface.session.selection[-1:]:
+            wires = surface.content.wires_at(name)
+            chosen = min(wires, key=lambda wire: wire.link.source != name, default=None)
+    if chosen is None:
+        text = "point at a wire or select one to bend it with a dot"
+        surface.session.message.emit("note", text)
+        return
+    line = chosen.line()
+    add_dot_at(surface, chosen, line[len(line) // 2])
 
-    def remove(self) -> bool:
-        """Take the selected dot away; whether there was one."""
-        session, link, dot = self._surface.session, self._marks.link, self._marks.dot
-        if link is not None and dot is not None:
-            self._marks.choose(link, None)
-            session.do(backdrops.remove_dot(session.network, link, dot))
-        return dot is not None
 
-    def nudge(self, by: QPointF) -> bool:
-        """Move the selected dot, with others of the same key as one step; whether there is one."""
-        session, wire, dot = self._surface.session, self._marks.wire, self._marks.dot
-        if wire is not None and dot is not None:
-            moving = backdrops.move_dot(session.network, wire.link, dot, whole(wire.dots[dot] + by))
-            session.do(moving, gesture=("dot", wire.link, dot))
-        return dot is not None
+def remove_dot(surface: Surface) -> bool:
+    """Take the selected dot away; whether there was one."""
+    session, link, dot = surface.session, surface.marks.link, surface.marks.dot
+    if link is not None and dot is not None:
+        surface.marks.choose(link, None)
+        session.do(backdrops.remove_dot(session.network, link, dot))
+    return dot is not None
+
+
+def nudge_dot(surface: Surface, by: QPointF) -> bool:
+    """Move the selected dot, with others of the same key as one step; whether there is one."""
+    session, wire, dot = surface.session, surface.marks.wire, surface.marks.dot
+    if wire is not None and dot is not None:
+        moving = backdrops.move_dot(session.network, wire.link, dot, whole(wire.dots[dot] + by))
+        session.do(moving, gesture=("dot", wire.link, dot))
+    return dot is not None

@@ -9,7 +9,7 @@ from PySide6.QtGui import QDropEvent
 
 from app.editor.canvas.canvas_style import face_of, geometry_of
 from app.editor.canvas.canvas_view import GraphView
-from app.editor.canvas.content import Content, Hit, hit, wires_near
+from app.editor.canvas.content import Content, Hit, Marks, hit, wires_near
 from app.editor.canvas.wires import LiveWire, WireItem
 from app.editor.library_view import dragged_module
 from app.editor.session import Level
@@ -36,6 +36,7 @@ class Surface(QObject):
     def __init__(self, session: Level, view: GraphView, content: Content, parent: QObject) -> None:
         super().__init__(parent)
         self.session, self.view, self.content = session, view, content
+        self.marks = Marks(content)
         self.live = LiveWire()
         view.scene().addItem(self.live)
         self.pointer: QPoint | None = None

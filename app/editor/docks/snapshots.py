@@ -304,6 +304,8 @@ _STATE = Qt.ItemDataRole.UserRole
 
 
 class SnapshotsView(Viewer):
+    room = 75, 20
+
     def __init__(self, session: Session, evaluator: Evaluator, snapshots: Snapshots) -> None:
         super().__init__(session, evaluator, "snapshots")
         self.setAccessibleName("Snapshots")
@@ -323,10 +325,6 @@ class SnapshotsView(Viewer):
     def follow_opening(self) -> None:
         self._now = None
         self._follow_snapshots()
-
-    def sizeHint(self) -> QSize:
-        width, line = self.fontMetrics().averageCharWidth(), self.fontMetrics().height()
-        return QSize(75 * width, 20 * line)
 
     def showEvent(self, event: QShowEvent) -> None:
         super().showEvent(event)

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
-from PySide6.QtCore import QSize, Qt
+from PySide6.QtCore import Qt
 from PySide6.QtGui import QShowEvent
 from PySide6.QtWidgets import QFrame, QScrollArea, QVBoxLayout, QWidget, QWidgetAction
 
@@ -49,6 +49,8 @@ _HOW = "To change the value, drag the line or press ← and →"
 
 
 class TradeOffView(Viewer):
+    room = 75, 20
+
     def __init__(
         self,
         session: Session,
@@ -142,10 +144,6 @@ class TradeOffView(Viewer):
         self.varied.choose()
         self.span = None
         self._follow_nodes()
-
-    def sizeHint(self) -> QSize:
-        width, line = self.fontMetrics().averageCharWidth(), self.fontMetrics().height()
-        return QSize(75 * width, 20 * line)
 
     def _build(self) -> None:
         self.parameter = tradeoff_plots.ParameterChoice(self.session, self)

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -15,6 +14,7 @@ from PySide6.QtGui import QAction, QFocusEvent, QResizeEvent
 from app.editor.declared_text import tip
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.queries import Badge
+from app.editor.messages import told
 from app.editor.panels.fields.field import PanelNode, Requests, copy_values, paste_values
 from app.editor.panels.fields.field_menu import line_in_menu, offer
 from app.editor.panels.fields.type_in import TypeIn, discard_typing
@@ -444,7 +444,7 @@ class SetsMenu(Menu):
         if node is None:
             return
         sets: Sets = {}
-        with self._told():
+        with told(self._session.message.emit):
             sets = sets_of(node.module, self._folder)
         for name in sets:
             about = f"Set every parameter to its value in {name}"
@@ -463,17 +463,10 @@ class SetsMenu(Menu):
         edit.returnPressed.connect(partial(self._keep, edit))
         self.addAction(action)
 
-    @contextmanager
-    def _told(self, begin: str = "") -> Iterator[None]:
-        try:
-            yield
-        except ImagechainError as error:
-            self._session.message.emit("error", f"{begin}{error}")
-
     def _keep(self, edit: QtWidgets.QLineEdit) -> None:
         name = edit.text().strip()
         self.close()
-        with self._told("not saved: "):
+        with told(self._session.message.emit, "not saved: "):
             save_set(name, self._session.valued(self._name), self._folder)
             self._session.message.emit("note", f"saved the parameters of {self._name} as {name}")
 
@@ -481,9 +474,9 @@ class SetsMenu(Menu):
         session = self._session
         declared, node = session.declared(self._name), session.network.nodes.get(self._name)
         if declared is not None and node is not None:
-            with self._told():
+            with told(session.message.emit):
                 session.do(given(name, sets[name], node, declared, self._name))
 
     def _remove(self, name: str) -> None:
-        with self._told():
+        with told(self._session.message.emit):
             remove_set(name, self._session.network.nodes[self._name].module, self._folder)

@@ -1,9 +1,9 @@
 """What viewers have in common: their queries, status line, and lists of the network's ports."""
 
 from collections.abc import Collection, Hashable, Iterable, Sequence
-from typing import Any
+from typing import Any, ClassVar
 
-from PySide6.QtCore import Qt, Signal
+from PySide6.QtCore import QSize, Qt, Signal
 from PySide6.QtGui import QHideEvent, QShowEvent, QStandardItem, QStandardItemModel
 from PySide6.QtWidgets import QComboBox, QHBoxLayout, QSizePolicy, QWidget
 
@@ -28,6 +28,7 @@ class Viewer(QWidget):
     """
 
     posted = Signal()  # its queries have been posted: it may show something else
+    room: ClassVar[tuple[int, int] | None] = None  # letters across and lines it likes to have
 
     def __init__(
         self, session: Session, evaluator: Evaluator, owner: str, parent: QWidget | None = None
@@ -46,6 +47,12 @@ class Viewer(QWidget):
     @property
     def theme(self) -> Theme:
         return theme_of(self)
+
+    def sizeHint(self) -> QSize:
+        if self.room is None:
+            return super().sizeHint()
+        metrics = self.fontMetrics()
+        return QSize(self.room[0] * metrics.averageCharWidth(), self.room[1] * metrics.height())
 
     def queries(self) -> Sequence[Query]:
         return ()

@@ -1,7 +1,6 @@
 """Every action of the window: menu, keys, what it does. Menus and lists are made from these."""
 
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Collection, Iterable, Mapping
 from functools import partial
 from typing import Any, Literal
 
@@ -10,6 +9,8 @@ from PySide6.QtGui import QAction, QGuiApplication, QKeySequence
 from PySide6.QtWidgets import QMenu, QMenuBar, QWidget
 
 from app.editor.canvas.canvas import Canvas
+from app.editor.canvas.mouse import remove_dot
+from app.editor.messages import told
 from app.editor.panels.fields.field import copy_values, paste_values
 from app.editor.session import Level
 from app.editor.viewers.viewer import VIEWER_NUMBERS
@@ -36,7 +37,6 @@ from core.editing.operations import (
     together,
 )
 from core.editing.wiring import detached, dissolved
-from core.errors import ImagechainError
 from core.records import dataclass
 
 Scope = Literal["application", "window", "canvas"]
@@ -289,13 +289,6 @@ class EditCommands(QObject):
         self._session = session
         self._canvas = canvas
 
-    @contextmanager
-    def _refusals(self, before: str = "") -> Iterator[None]:
-        try:
-            yield
-        except ImagechainError as error:
-            self._session.message.emit("error", f"{before}{error}")
-
     def _do(self, names: Iterable[str], operation: Operation) -> None:
         if self._session.do(operation):
             self._session.select(names)
@@ -316,7 +309,7 @@ class EditCommands(QObject):
         session, canvas = self._session, self._canvas
         text = QGuiApplication.clipboard().text()
         at, sizes = canvas.surface.cursor_point(), canvas.content.sizes()
-        with self._refusals("nothing was pasted: "):
+        with told(session.message.emit, "nothing was pasted: "):
             self._do(*pasted(text, session.network, library=session.library, at=at, sizes=sizes))
 
     def copy_values(self) -> None:
@@ -336,7 +329,7 @@ class EditCommands(QObject):
     def delete(self) -> None:
         """Delete the selected dot or nodes, and lead the wire past them; else wire or backdrop."""
         session, link = self._session, self._canvas.marks.link
-        if self._canvas.dots.remove():
+        if remove_dot(self._canvas.surface):
             return
         if session.selection:
             self._take_out(dissolved(session.network, session.library, session.selection))
@@ -375,13 +368,13 @@ class EditCommands(QObject):
     def mark_output(self) -> None:
         session = self._session
         for name in session.selection[-1:]:
-            with self._refusals():
+            with told(session.message.emit):
                 session.do(output_toggled(session.network, session.library, name))
 
     def group(self) -> None:
         session = self._session
         network, library, names = session.network, session.library, session.selection
-        with self._refusals():
+        with told(session.message.emit):
             name, operation = group(
                 network, library, names, where=session.head, value_of=session.value
             )
@@ -390,7 +383,7 @@ class EditCommands(QObject):
     def ungroup(self) -> None:
         session = self._session
         for macro in session.selection[-1:]:
-            with self._refusals():
+            with told(session.message.emit):
                 self._do(*ungroup(session.network, session.library, macro, session.head))
 
     def backdrop(self) -> None:

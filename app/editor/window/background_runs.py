@@ -79,12 +79,8 @@ class BackgroundRuns(QObject):
         elif file.absolute() in self._taken():
             self._say("note", f"{shown(file.name)} is already being written")
         else:
-            try:
-                job = job_of(self._session, "report", file)
-            except ImagechainError as error:
-                self._say("error", f"no report: {error}")
-            else:
-                self._add(f"Report {file.name}", job)
+            with messages.told(self._say, "no report: "):
+                self._add(f"Report {file.name}", job_of(self._session, "report", file))
 
     def add(self) -> None:
         dialog = AddRun(self._session, self._taken, self._window)

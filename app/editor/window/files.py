@@ -13,7 +13,15 @@ from PySide6.QtWidgets import QWidget
 from app.editor.canvas.canvas import Canvas
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.library_view import LibraryView
-from app.editor.messages import ROLE, FileDialog, Question, SaveDialog, drop_dialogs, show_beside
+from app.editor.messages import (
+    ROLE,
+    FileDialog,
+    Question,
+    SaveDialog,
+    drop_dialogs,
+    show_beside,
+    told,
+)
 from app.editor.session import Level, Session
 from app.editor.widgets import accept_copy, labelled, local_files
 from app.editor.window.recent_files import Settings
@@ -31,13 +39,13 @@ from core.chain.engine import Engine
 from core.editing.document import Document, mark, rebased
 from core.editing.operations import Operation, restored, set_parameter, together
 from core.editing.wiring import new_node
-from core.errors import ImagechainError, ParameterError
+from core.errors import ParameterError
 from core.modules.declaration import Library, declaration, where_absent
 from core.network.file import parse_network, read_text
 from core.network.macro import expanded, unfolded
 from core.network.network import Network
 from core.network.validation import NetworkProblems, problems
-from core.records import dataclass, replace
+from core.records import replace
 
 NETWORK_SUFFIX = ".json"
 _FILTER = f"Networks (*{NETWORK_SUFFIX});;All files (*)"
@@ -65,7 +73,7 @@ class Files(QObject):
         self._question: Question | None = None
 
     def new(self, *_: object) -> None:
-        empty = Opened(Document(Network(), library=self._session.library))
+        empty = Document(Network(), library=self._session.library)
         self.after_asking(lambda: self.show(empty))
 
     def open_dialog(self) -> None:
@@ -81,22 +89,19 @@ class Files(QObject):
 
     def open_now(self, text: str) -> bool:
         """Open a network in place of the present one; whether that worked."""
-        try:
-            opened = open_named(text, library=self._session.library)
-        except ImagechainError as error:
-            self._session.message.emit("error", f"not opened: {error}")
-            return False
-        self.show(opened)
-        return True
+        with told(self._session.message.emit, "not opened: "):
+            self.show(*open_named(text, library=self._session.library))
+            return True
+        return False
 
-    def show(self, opened: Opened) -> None:
+    def show(self, document: Document, remark: str = "") -> None:
         drop_dialogs(self._window, _DIALOG)  # it names a file for the document that is closed
-        if opened.document.path is not None:
-            self._settings.add_recent(opened.document.path)
-        self._session.open(opened.document)
+        if document.path is not None:
+            self._settings.add_recent(document.path)
+        self._session.open(document)
         self.opened.emit()
-        if opened.remark:
-            self._session.message.emit("note", opened.remark)
+        if remark:
+            self._session.message.emit("note", remark)
 
     def save(self, following: Next | None = None) -> None:
         self.about_to_save.emit()
@@ -215,14 +220,8 @@ def changed_file(parent: QWidget, file: str, done: str) -> Question:
 # Turning a file into a document that can be worked on.
 
 
-@dataclass(frozen=True)
-class Opened:
-    document: Document
-    remark: str = ""
-
-
-def open_network_file(path: Path, *, library: Library) -> Opened:
-    """Read a network to work on.
+def open_network_file(path: Path, *, library: Library) -> tuple[Document, str]:
+    """Read a network to work on; with a remark, where something is to be said of it.
 
     Unknown modules stay as placeholders and values that are not allowed stay on their nodes, to be
     mended there. Faults of the wiring, which no canvas could show, are refused.
@@ -246,16 +245,15 @@ def open_network_file(path: Path, *, library: Library) -> Opened:
         remarks += dict.fromkeys(reason for reason in reasons if reason)
     if faults:
         remarks.append(f"{_count(len(faults), 'value')} not allowed: see the marked nodes")
-    return Opened(document, "; ".join(remarks))
+    return document, "; ".join(remarks)
 
 
-def open_named(text: str, *, library: Library) -> Opened:
+def open_named(text: str, *, library: Library) -> tuple[Document, str]:
     """A network by its path, or a copy of a shipped one by its name, which has no path yet."""
     place = find_network(text)
-    opened = open_network_file(place.path.absolute(), library=library)
-    if place.path in every_network().values():
-        return Opened(shipped_copy(opened.document), opened.remark)
-    return opened
+    document, remark = open_network_file(place.path.absolute(), library=library)
+    shipped = place.path in every_network().values()
+    return shipped_copy(document) if shipped else document, remark
 
 
 def shipped_copy(document: Document) -> Document:
@@ -334,16 +332,13 @@ class Drops(QObject):
             return False
         plan = Engine(library).plan(expanded(network, library), folder=level.folder)
         scene, stored = OwnScene(path, hints=False), self._stored(path)
-        try:
+        with told(level.message.emit):
             new = with_own_scene(
                 network, scene, library=library, plan=plan, node=name, stored=stored
             )
-        except ImagechainError as error:
-            level.message.emit("error", str(error))
-            return True
-        if level.do(restored(new.network, f"Replace {name} with {path.name}")):
-            level.select([name])
-            level.message.emit("note", "; ".join(new.lines))
+            if level.do(restored(new.network, f"Replace {name} with {path.name}")):
+                level.select([name])
+                level.message.emit("note", "; ".join(new.lines))
         return True
 
     def _stored(self, path: Path) -> str:
@@ -406,27 +401,21 @@ class PresetShelf(QObject):
     def save(self) -> None:
         level = self._level
         for name in level.selection[-1:]:
-            try:
+            with told(level.message.emit, "not saved as a preset: "):
                 node = level.network.nodes[name]
                 values = {one: level.value(name, one) for one in node.linked}
                 alone = Network(nodes={name: replace(node, params={**node.params, **values})})
                 path = save_preset(alone, name, self.folder, level.library)
-            except ImagechainError as error:
-                level.message.emit("error", f"not saved as a preset: {error}")
-                return
-            self.refresh()
-            level.message.emit("note", f"saved as a preset: {path}")
+                self.refresh()
+                level.message.emit("note", f"saved as a preset: {path}")
 
     def add(self, key: str, at: tuple[float, float]) -> bool:
         """Put a preset at a place; False for the key of a module."""
         level, preset = self._level, preset_of(key, self.presets)
         if preset is None:
             return False
-        try:
+        with told(level.message.emit):
             name, operation = placed(preset, level.network, level.library, at, level.folder)
-        except ImagechainError as error:
-            level.message.emit("error", str(error))
-            return True
-        if level.do(operation):
-            level.select([name])
+            if level.do(operation):
+                level.select([name])
         return True

@@ -9,7 +9,7 @@ from PySide6.QtGui import QDesktopServices, QKeySequence
 
 from app.editor.docks.runs import python_environment
 from app.editor.docks.tradeoff_view import TradeOffView
-from app.editor.messages import SaveDialog, show_beside
+from app.editor.messages import SaveDialog, show_beside, told
 from app.editor.session import Session
 from app.editor.viewers.picture.image_viewer import ImageViewer
 from app.editor.viewers.plot import plot_export
@@ -18,12 +18,13 @@ from app.editor.widgets import CopiedTable, filled, labelled, search_field
 from app.editor.window.actions import ACTIONS, Actions
 from app.editor.window.viewer_docks import ViewerDocks
 from app.run.terminal import command, version
-from core.errors import ImagechainError, in_line
+from core.errors import in_line
 from nodes.files.file_format import CSV, dialog_filter
 from nodes.files.formats import WRITTEN
 
 Exported = ImageViewer | PlotViewer | TradeOffView
 _MACROS = "network_files"  # the handbook's page on them
+_CLOSING_MS = 3_000
 _PICTURES = ";;".join(
     (
         dialog_filter("Pictures", *(one for one in WRITTEN if not one.plain)),
@@ -38,7 +39,8 @@ class Help(QObject):
         self._session = session
         self._viewers = viewers
         self._window = window
-        self.handbook = HandbookOpening(session, self)
+        self._process = QProcess(self)  # it finds pages of the handbook, and writes them at first
+        self._process.finished.connect(self._found)
 
     def shortcuts(self, actions: Actions) -> None:
         show_beside(self._window, ShortcutList(actions, self._window))
@@ -51,7 +53,32 @@ class Help(QObject):
         if declared is None:
             self._session.message.emit("note", "select a node to read about its module")
         else:
-            self.handbook.open(declared.key if declared.key in self._session.library else _MACROS)
+            self.open_handbook(declared.key if declared.key in self._session.library else _MACROS)
+
+    def open_handbook(self, word: str = "") -> None:
+        """Open the page of a module in the browser, or the first."""
+        self._session.message.emit("note", "opening the handbook")
+        if self._process.state() == QProcess.ProcessState.NotRunning:
+            program, *words = command("app.command.cli", "handbook", "--path", word)
+            self._process.setProcessEnvironment(python_environment())
+            self._process.start(program, [one for one in words if one])
+
+    def close(self) -> None:
+        self._process.finished.disconnect(self._found)
+        self._process.terminate()
+        if not self._process.waitForFinished(_CLOSING_MS):
+            self._process.kill()
+
+    def _found(self, code: int) -> None:
+        printed = bytes(self._process.readAllStandardOutput().data()).decode().strip()
+        errors = bytes(self._process.readAllStandardError().data()).decode("utf-8", "replace")
+        if code or not printed:
+            reason = in_line(errors.strip().removeprefix("imagechain: ")).partition("; --")[0]
+            self._session.message.emit("error", f"the handbook could not be opened: {reason}")
+        elif QDesktopServices.openUrl(QUrl.fromLocalFile(printed)):
+            self._session.message.emit("note", f"the handbook was opened in the browser: {printed}")
+        else:
+            self._session.message.emit("error", f"no browser could open {printed}")
 
     def about(self) -> None:
         box = labelled(QtWidgets.QMessageBox(self._window), "message")
@@ -74,53 +101,12 @@ class Help(QObject):
         show_beside(self._window, SaveDialog(self._window, "export_dialog", "Export", kinds, taken))
 
     def _export_to(self, viewer: Exported, path: Path) -> None:
-        try:
+        with told(self._session.message.emit, "not exported: "):
             if isinstance(viewer, ImageViewer):
                 viewer.save_as(path)
             else:
                 viewer.export(path)
-        except ImagechainError as error:
-            self._session.message.emit("error", f"not exported: {error}")
-        else:
             self._session.message.emit("note", f"wrote {path}")
-
-
-_CLOSING_MS = 3_000
-
-
-class HandbookOpening(QObject):
-    """Opens pages in the browser; a process of its own finds them, and writes them at first."""
-
-    def __init__(self, session: Session, parent: QObject) -> None:
-        super().__init__(parent)
-        self._session = session
-        self._process = QProcess(self)
-        self._process.finished.connect(self._finished)
-
-    def open(self, word: str = "") -> None:
-        """Open the page of a module, or the first."""
-        self._session.message.emit("note", "opening the handbook")
-        if self._process.state() == QProcess.ProcessState.NotRunning:
-            program, *words = command("app.command.cli", "handbook", "--path", word)
-            self._process.setProcessEnvironment(python_environment())
-            self._process.start(program, [one for one in words if one])
-
-    def close(self) -> None:
-        self._process.finished.disconnect(self._finished)
-        self._process.terminate()
-        if not self._process.waitForFinished(_CLOSING_MS):
-            self._process.kill()
-
-    def _finished(self, code: int) -> None:
-        printed = bytes(self._process.readAllStandardOutput().data()).decode().strip()
-        errors = bytes(self._process.readAllStandardError().data()).decode("utf-8", "replace")
-        if code or not printed:
-            reason = in_line(errors.strip().removeprefix("imagechain: ")).partition("; --")[0]
-            self._session.message.emit("error", f"the handbook could not be opened: {reason}")
-        elif QDesktopServices.openUrl(QUrl.fromLocalFile(printed)):
-            self._session.message.emit("note", f"the handbook was opened in the browser: {printed}")
-        else:
-            self._session.message.emit("error", f"no browser could open {printed}")
 
 
 # The list of shortcuts.

@@ -15,7 +15,7 @@ from app.editor.docks.measure_view import MeasureView
 from app.editor.docks.snapshots import HistoryList, Snapshots, SnapshotsView
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.library_view import LibraryView
-from app.editor.messages import StatusBar
+from app.editor.messages import StatusBar, told
 from app.editor.panels.panel_area import PanelArea
 from app.editor.recovery_files import Autosaver, FileWatch, Recovered, recoverable
 from app.editor.session import Level, Session
@@ -25,7 +25,7 @@ from app.editor.viewers.viewer import PLOT_TYPES, VIEWER_NUMBERS
 from app.editor.widgets import filled
 from app.editor.window.actions import CANVAS_MENU, EDITS, NODE_MENU, Actions, EditCommands
 from app.editor.window.background_runs import BackgroundRuns
-from app.editor.window.files import Drops, Files, Opened, PresetShelf
+from app.editor.window.files import Drops, Files, PresetShelf
 from app.editor.window.help import Help
 from app.editor.window.recent_files import DOCKS_VERSION, RecentMenu, Settings
 from app.editor.window.viewer_docks import (
@@ -213,7 +213,7 @@ class MainWindow(QMainWindow):
         self.runs.queue.close()
         self.measuring.end_work()
         self.fitting.end_work()
-        self.help.handbook.close()
+        self.help.close()
         self.autosaver.close()
         self.file_watch.close()
         self.evaluator.close()  # last: Python may collect in any thread afterwards
@@ -322,7 +322,7 @@ class MainWindow(QMainWindow):
             "go_back": snapshots.go_back,
             "shortcuts": lambda: self.help.shortcuts(self.actions_by_name),
             "module_help": self.help.module,
-            "handbook": self.help.handbook.open,
+            "handbook": self.help.open_handbook,
             "about": self.help.about,
             **{f"view_{number}": partial(self._view, number) for number in VIEWER_NUMBERS},
         }
@@ -504,10 +504,7 @@ class MainWindow(QMainWindow):
 
     def _show_recovered(self, work: Recovered) -> None:
         """Open it as unsaved; its file stays until the window has written its own."""
-        try:
+        with told(self.status.report, "not recovered: "):
             document = work.document(self.session.library)
-        except ImagechainError as error:
-            self.status.report("error", f"not recovered: {error}")
-            return
-        self.files.show(Opened(document, "recovered: save the network if you want to keep it"))
-        self.autosaver.write_now(work.discard)
+            self.files.show(document, "recovered: save the network if you want to keep it")
+            self.autosaver.write_now(work.discard)

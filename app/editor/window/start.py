@@ -158,7 +158,7 @@ def take(
         try:
             window.resize(*size)
             if opened is not None:
-                window.files.show(opened)
+                window.files.show(*opened)
             window.show()
             settle(window)
             if opened is not None:

@@ -19,6 +19,7 @@ from app.editor.declared_text import (
     tip,
 )
 from app.editor.evaluation.evaluator import Evaluator
+from app.editor.messages import told
 from app.editor.panels.fields.field_menu import (
     add_fit_action,
     add_macro_actions,
@@ -32,7 +33,7 @@ from app.editor.session import Session
 from app.editor.theme import CHANGED, ERROR, FAINT, TEXT
 from core.editing.clipboard import copied_values, pasted_values
 from core.editing.operations import ABSENT, Operation, named, set_parameter, together
-from core.errors import ImagechainError, ParameterError, thaw
+from core.errors import ParameterError, thaw
 from core.modules.parameters import Parameter, plain
 from core.network.expressions import quoted
 from core.records import dataclass
@@ -488,15 +489,12 @@ def copy_values(session: Session, names: Sequence[str]) -> None:
 def paste_values(session: Session, names: Sequence[str]) -> None:
     """Give nodes the clipboard's values, as one step; what is left out is said in one line."""
     text = QGuiApplication.clipboard().text()
-    try:
+    with told(session.message.emit, "no values were pasted: "):
         operation, left_out = pasted_values(text, names, session.declared)
-    except ImagechainError as error:
-        session.message.emit("error", f"no values were pasted: {error}")
-        return
-    session.do(operation)
-    text = f"pasted values into {named(names)}"
-    if left_out:
-        more = len(left_out) - _MOST_REASONS
-        reasons = "; ".join(left_out[:_MOST_REASONS])
-        text += f"; left out: {reasons}{f'; and {more} more' if more > 0 else ''}"
-    session.message.emit("note", text)
+        session.do(operation)
+        text = f"pasted values into {named(names)}"
+        if left_out:
+            more = len(left_out) - _MOST_REASONS
+            reasons = "; ".join(left_out[:_MOST_REASONS])
+            text += f"; left out: {reasons}{f'; and {more} more' if more > 0 else ''}"
+        session.message.emit("note", text)

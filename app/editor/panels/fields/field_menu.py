@@ -8,11 +8,11 @@ from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QLineEdit, QMenu, QWidget, QWidgetAction
 
 from app.editor.declared_text import FreeNumber, choice_text, shown_number, shown_value
+from app.editor.messages import told
 from app.editor.session import Session
 from app.editor.widgets import filled, without_argument
 from core.editing.macros import expose, hide, rename_exposed
 from core.editing.operations import Operation, exposed_as
-from core.errors import ImagechainError
 from core.modules.parameters import Parameter
 from core.network.macro import SEPARATOR
 
@@ -93,10 +93,8 @@ def add_macro_actions(menu: QMenu, session: Session, node: str, parameter: str) 
 
 
 def _do(session: Session, made: Callable[[], Operation]) -> None:
-    try:
+    with told(session.message.emit):
         session.do(made())
-    except ImagechainError as error:
-        session.message.emit("error", str(error))
 
 
 def _naming(menu: QMenu, session: Session, macro: str, name: str) -> QWidgetAction:

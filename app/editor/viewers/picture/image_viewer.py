@@ -17,7 +17,7 @@ from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.queries import Answer, Query
 from app.editor.session import Session
 from app.editor.viewers.picture import picture_facts, picture_query, plots_below
-from app.editor.viewers.picture.picture_bar import BandBar, PictureBar
+from app.editor.viewers.picture.picture_bar import BandBar, PictureBar, list_choices
 from app.editor.viewers.picture.picture_canvas import PictureCanvas, Sides
 from app.editor.viewers.picture.region import RegionTool
 from app.editor.viewers.plot.plot_export import columns_text, png_bytes
@@ -102,8 +102,8 @@ class ImageViewer(Viewer):
         self.canvas.addActions(actions)
         if not actions:  # a viewer made before the window's actions: no heading over nothing
             return
-        self.bar.compare.menu.addSection("With a snapshot")
-        self.bar.compare.menu.addActions(actions)
+        self.bar.menus[1].addSection("With a snapshot")
+        self.bar.menus[1].addActions(actions)
 
     def compare_kept(self, side: KeptSide | None) -> None:
         if side == self.kept_side:
@@ -284,22 +284,22 @@ class ImageViewer(Viewer):
         bar.fit.clicked.connect(self.fit)
         bar.dots.clicked.connect(self.one_to_one)
         bar.opening.connect(self._fill_menus)
-        bar.display.mapping.chosen.connect(lambda name: self._choose(mapping=name))
-        bar.display.levels.chosen.connect(self._choose_levels)
-        bar.display.colours.chosen.connect(self._set_colours)
-        bar.display.histogram.toggled.connect(canvas.levels.setVisible)
-        bar.display.profile.toggled.connect(partial(canvas.show_below, plots_below.ProfileLine))
-        bar.display.means.toggled.connect(partial(canvas.show_below, plots_below.LineMeans))
-        bar.display.spectra.toggled.connect(self._fit_spectra)
+        bar.mapping.chosen.connect(lambda name: self._choose(mapping=name))
+        bar.levels.chosen.connect(self._choose_levels)
+        bar.colours.chosen.connect(self._set_colours)
+        bar.histogram.toggled.connect(canvas.levels.setVisible)
+        bar.profile.toggled.connect(partial(canvas.show_below, plots_below.ProfileLine))
+        bar.means.toggled.connect(partial(canvas.show_below, plots_below.LineMeans))
+        bar.spectra.toggled.connect(self._fit_spectra)
         self.band_bar.chosen.connect(self._choose_bands)
         canvas.band_dragged.connect(self.band_bar.take_line)
         canvas.pointed.connect(self._point_at)
         canvas.stepped.connect(self._step)
         canvas.sigDeviceRangeChanged.connect(self._fit_spectra)
         canvas.band_stepped.connect(self.band_bar.step)
-        bar.compare.mode.chosen.connect(lambda name: self._choose(mode=name))
-        bar.compare.other_chosen.connect(self._choose_other)
-        bar.compare.linked.connect(self._choose_link)
+        bar.mode.chosen.connect(lambda name: self._choose(mode=name))
+        bar.other_chosen.connect(self._choose_other)
+        bar.linked.connect(self._choose_link)
         self.region.picture_wanted.connect(self._show_for_region)
         canvas.menu_wanted.connect(self._open_menu)
         canvas.zoomed.connect(self._apply_zoom)
@@ -319,7 +319,7 @@ class ImageViewer(Viewer):
     def _show_bands(self, picture: picture_query.Picture | None) -> None:
         bands = picture_facts.bands_of(picture.value) if picture is not None else None
         self.band_bar.show_bands(bands, self.choices.bands)
-        self.bar.display.spectra.setEnabled(bands is not None)
+        self.bar.spectra.setEnabled(bands is not None)
         self._fit_spectra()
 
     def _choose_bands(self, choice: Any) -> None:
@@ -349,12 +349,12 @@ class ImageViewer(Viewer):
             self._choose(levels=before)
 
     def _set_colours(self, name: str) -> None:
-        self.bar.display.colours.choose(name)
+        self.bar.colours.choose(name)
         self.canvas.set_colours(name)
 
     def _fit_spectra(self, *_: object) -> None:
         """Show spectra of a picture with bands; of little height the picture has all."""
-        wanted = self.bar.display.spectra.isEnabled() and self.bar.display.spectra.isChecked()
+        wanted = self.bar.spectra.isEnabled() and self.bar.spectra.isChecked()
         fits = self.canvas.height() >= _SPECTRA * self.fontMetrics().height()
         if (wanted and fits) != self.canvas.shows(plots_below.Spectra):
             self.canvas.show_below(plots_below.Spectra, wanted and fits)
@@ -400,10 +400,10 @@ class ImageViewer(Viewer):
     def _follow_choices(self) -> None:
         choices = self.choices
         self.bar.ports.choose(choices.port)
-        self.bar.display.mapping.choose(choices.mapping)
+        self.bar.mapping.choose(choices.mapping)
         automatic = choices.levels if isinstance(choices.levels, str) else "manual"
-        self.bar.display.levels.choose(automatic)
-        self.bar.compare.mode.choose(choices.mode)
+        self.bar.levels.choose(automatic)
+        self.bar.mode.choose(choices.mode)
         if not choices.port:
             self.picture = None
             self.canvas.clear_picture()
@@ -445,12 +445,12 @@ class ImageViewer(Viewer):
         menu.popup(point)
 
     def _fill_menus(self) -> None:
-        compare = self.bar.compare
+        bar = self.bar
         by_node = ports_by_node(self.session.network, self.session.library, PICTURE_TYPES)
         others = {port: port for ports in by_node.values() for port in ports}
-        compare.fill(compare.others, others, {self.choices.other})
+        list_choices(bar.others, others, {self.choices.other})
         names = {f"Viewer {viewer.number}": viewer.number for viewer in neighbours(self)}
-        compare.fill(compare.links, names, {viewer.number for viewer in self.linked})
+        list_choices(bar.links, names, {viewer.number for viewer in self.linked})
 
 
 def neighbours(viewer: ImageViewer) -> list[ImageViewer]:

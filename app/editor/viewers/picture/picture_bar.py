@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pyqtgraph as pg
 from numpy.typing import NDArray
-from PySide6.QtCore import QObject, QSignalBlocker, Qt, QTimer, Signal
+from PySide6.QtCore import QSignalBlocker, Qt, QTimer, Signal
 from PySide6.QtGui import QAction, QActionGroup, QPainter
 from PySide6.QtWidgets import QComboBox, QHBoxLayout, QMenu, QSlider, QWidget
 
@@ -30,9 +30,19 @@ from app.editor.widgets import ElidedLabel, Menu, filled, labelled, menu_button,
 from core.chain.band_stack import BandStack
 from core.records import replace
 
+MAPPINGS = {"linear": "&Linear", "log": "Lo&garithm", "spectrum": "Centred &Spectrum"}
+LEVELS = {
+    "extremes": "&Minimum to Maximum",
+    "percentiles": "&0.5 % to 99.5 %",
+    "manual": "&As Set in the Histogram",
+}
+MODES = {"alone": "&Alone", "wipe": "&Wipe", "difference": "&Difference"}
+
 
 class PictureBar(QWidget):
     opening = Signal()  # the menu of other wires and viewers is about to open
+    other_chosen = Signal(str)  # port: the other wire
+    linked = Signal(int, bool)  # number, on: whether to move with the viewer of that number
 
     def __init__(self, session: Session, owner: str, parent: QWidget) -> None:
         super().__init__(parent)
@@ -41,14 +51,27 @@ class PictureBar(QWidget):
         self.ports.setAccessibleName("Wire to show")
         shown = menu_button(f"{owner}.display", "Display", "How the picture is drawn", self)
         compared = menu_button(f"{owner}.compare", "Compare", "Compare with another wire", self)
-        self.display = DisplayMenu(shown.menu())
-        self.compare = CompareMenu(compared.menu())
-        self.display.histogram.setChecked(True)
-        self.display.spectra.setChecked(True)
-        compared.menu().aboutToShow.connect(self.opening)
-        self.menus = (shown.menu(), compared.menu())
-        for menu, title in zip(self.menus, ("&Display", "&Compare"), strict=True):
-            menu.setTitle(title)
+        self.menus = display, compare = shown.menu(), compared.menu()
+        display.setTitle("&Display")
+        display.addSection("Samples")
+        self.mapping = Radio(display, MAPPINGS)
+        display.addSection("Black to white")
+        self.levels = Radio(display, LEVELS)
+        display.addSeparator()
+        self.colours = Radio(_inner(display, "", "&Colours"), NAMES)
+        self.histogram = _toggle(display, "histogram", "&Histogram", on=True)
+        self.profile = _toggle(display, "profile", "Line &Profile")
+        self.means = _toggle(display, "means", "M&eans of Rows and Columns")
+        self.spectra = _toggle(display, "spectra", "Spectrum over &Wavelength", on=True)
+        compare.setTitle("&Compare")
+        compare.addSection("Show")
+        self.mode = Radio(compare, MODES)
+        compare.addSeparator()
+        self.others = _inner(compare, "others", "With &Other Wire")
+        self.others.triggered.connect(lambda one: self.other_chosen.emit(one.data()))
+        self.links = _inner(compare, "links", "&Move With")
+        self.links.triggered.connect(lambda one: self.linked.emit(one.data(), one.isChecked()))
+        compare.aboutToShow.connect(self.opening)
         self.fit = tool_button(f"{owner}.fit", "Fit", "Show the whole picture (F or 0)", self)
         self.dots = tool_button(
             f"{owner}.dots", "1:1", "Show each sample as one screen pixel (1)", self
@@ -59,84 +82,41 @@ class PictureBar(QWidget):
         filled(QHBoxLayout(self), *parts, margins=(2, 2, 2, 0), spacing=3)
 
 
-MAPPINGS = {"linear": "&Linear", "log": "Lo&garithm", "spectrum": "Centred &Spectrum"}
-LEVELS = {
-    "extremes": "&Minimum to Maximum",
-    "percentiles": "&0.5 % to 99.5 %",
-    "manual": "&As Set in the Histogram",
-}
-MODES = {"alone": "&Alone", "wipe": "&Wipe", "difference": "&Difference"}
-
-
-class Radio(QObject):
+class Radio(QActionGroup):
     chosen = Signal(str)  # name: the person has chosen another
 
     def __init__(self, menu: QMenu, texts: Mapping[str, str]) -> None:
         super().__init__(menu)
-        self._group = QActionGroup(self)
-        self._actions: dict[str, QAction] = {}
         for name, text in texts.items():
-            action = QAction(text, self._group, checkable=True)
-            action.setObjectName(name)
-            action.setData(name)
-            menu.addAction(action)
-            self._actions[name] = action
-        self._group.triggered.connect(lambda action: self.chosen.emit(str(action.data())))
+            QAction(text, self, checkable=True).setObjectName(name)
+        menu.addActions(self.actions())
+        self.triggered.connect(lambda action: self.chosen.emit(action.objectName()))
 
     def choose(self, name: str) -> None:
-        self._actions[name].setChecked(True)
+        next(one for one in self.actions() if one.objectName() == name).setChecked(True)
 
 
-class DisplayMenu(QObject):
-    def __init__(self, menu: QMenu) -> None:
-        super().__init__(menu)
-        menu.addSection("Samples")
-        self.mapping = Radio(menu, MAPPINGS)
-        menu.addSection("Black to white")
-        self.levels = Radio(menu, LEVELS)
-        menu.addSeparator()
-        colours = Menu("&Colours", menu)
-        menu.addMenu(colours)
-        self.colours = Radio(colours, NAMES)
-        self.histogram = self._toggle(menu, "histogram", "&Histogram")
-        self.profile = self._toggle(menu, "profile", "Line &Profile")
-        self.means = self._toggle(menu, "means", "M&eans of Rows and Columns")
-        self.spectra = self._toggle(menu, "spectra", "Spectrum over &Wavelength")
-
-    def _toggle(self, menu: QMenu, name: str, text: str) -> QAction:
-        action = QAction(text, menu, checkable=True)
-        action.setObjectName(name)
-        menu.addAction(action)
-        return action
+def _inner(menu: QMenu, name: str, title: str) -> QMenu:
+    inner = labelled(Menu(title, menu), name)
+    menu.addMenu(inner)
+    return inner
 
 
-class CompareMenu(QObject):
-    other_chosen = Signal(str)  # port: the other wire
-    linked = Signal(int, bool)  # number, on: whether to move with the viewer of that number
+def _toggle(menu: QMenu, name: str, text: str, *, on: bool = False) -> QAction:
+    action = QAction(text, menu, checkable=True, checked=on)
+    action.setObjectName(name)
+    menu.addAction(action)
+    return action
 
-    def __init__(self, menu: QMenu) -> None:
-        super().__init__(menu)
-        self.menu = menu
-        menu.addSection("Show")
-        self.mode = Radio(menu, MODES)
-        menu.addSeparator()
-        self.others = Menu("With &Other Wire", menu)
-        menu.addMenu(self.others)
-        self.others.setObjectName("others")
-        self.others.triggered.connect(lambda one: self.other_chosen.emit(one.data()))
-        self.links = Menu("&Move With", menu)
-        menu.addMenu(self.links)
-        self.links.setObjectName("links")
-        self.links.triggered.connect(lambda one: self.linked.emit(one.data(), one.isChecked()))
 
-    def fill(self, menu: QMenu, entries: Mapping[str, object], ticked: Collection[object]) -> None:
-        menu.clear()
-        for text, data in entries.items():
-            action = menu.addAction(text.replace("&", "&&"))
-            action.setData(data)
-            action.setCheckable(True)
-            action.setChecked(data in ticked)
-        menu.setEnabled(bool(entries))
+def list_choices(menu: QMenu, entries: Mapping[str, object], ticked: Collection[object]) -> None:
+    menu.clear()
+    for text, data in entries.items():
+        action = menu.addAction(text.replace("&", "&&"))
+        action.setData(data)
+        action.setCheckable(True)
+        action.setChecked(data in ticked)
+    menu.setEnabled(bool(entries))
 
 
 _TEXTS = {"all": "All bands: {whole}", "one": "One band", "colours": "Colours"}

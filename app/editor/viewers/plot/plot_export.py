@@ -10,13 +10,13 @@ from PySide6.QtGui import QGuiApplication, QImage, QPainter, QPixmap
 from PySide6.QtSvg import QSvgGenerator
 from PySide6.QtWidgets import QWidget
 
-from app.editor.messages import SaveDialog, show_beside
+from app.editor.messages import SaveDialog, show_beside, told
 from app.editor.panels.fields.field_menu import offer
 from app.editor.viewers.plot.plotted_lines import TransferCurves
 from app.editor.widgets import Menu, labelled
 from core.atomic import write_bytes, write_text
 from core.chain.wires import CurveData, TableData
-from core.errors import ImagechainError, UsageError
+from core.errors import UsageError
 from nodes.files.file_format import CSV, SVG, dialog_filter, suffixes
 from nodes.files.formats import PNG
 from nodes.files.table_cells import csv_lines
@@ -50,9 +50,9 @@ def csv_text(data: Data) -> str:
     columns: list[tuple[str, Iterable[Any]]] = []
     if isinstance(data, TransferCurves):
         columns.append(("frequency_cyc_per_mrad", data.frequency.tolist()))
-        for curve in data.curves:
-            columns.append((f"{curve.name}.mtf", curve.mtf.tolist()))
-            columns.append((f"{curve.name}.ptf_rad", curve.ptf.tolist()))
+        for _, curve in data.curves:
+            columns.append((f"{curve.name}.mtf", curve.x.mtf.tolist()))
+            columns.append((f"{curve.name}.ptf_rad", curve.x.ptf.tolist()))
     elif data.bars:
         columns.append((data.x_label or "name", data.bars))
         columns += [(s.label or data.y_label, s.y.tolist()) for s in data.series]
@@ -135,11 +135,8 @@ def plot_menu(widget: QWidget, report: Report, numbers: Numbers | None) -> Menu:
         show_beside(widget, SaveDialog(widget, "plot_dialog", "Save the plot", kinds, save))
 
     def save(path: Path) -> None:
-        try:
+        with told(report, "not saved: "):
             save_plot(widget, numbers() if numbers else "", path)
-        except ImagechainError as error:
-            report("error", f"not saved: {error}")
-        else:
             report("note", f"wrote {path}")
 
     offer(menu, "plot.copy", "Copy picture", lambda: clipboard.setPixmap(widget.grab()))

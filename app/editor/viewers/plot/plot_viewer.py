@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from PySide6 import QtWidgets
-from PySide6.QtCore import QPoint, QSize, Qt, Signal
+from PySide6.QtCore import QPoint, QSignalBlocker, Qt
 from PySide6.QtGui import QAction, QResizeEvent
 
 from app.editor import widgets
@@ -43,6 +43,8 @@ _NARROW = 75  # characters; a narrower viewer leaves the meanings of figures out
 
 class PlotViewer(viewer.Viewer):
     """Plots the chain, or curves or the table of a port, of the selected node unless pinned."""
+
+    room = 80, 20
 
     def __init__(self, session: Session, evaluator: Evaluator) -> None:
         super().__init__(session, evaluator, "plot_viewer")
@@ -189,18 +191,14 @@ class PlotViewer(viewer.Viewer):
             QtWidgets.QVBoxLayout(self), self.bar, (self._pages, 1), self.status, spacing=1
         )
         self.bar.ports.chosen.connect(self.look_at)
-        self.bar.angle_chosen.connect(self.set_angle)
-        self.bar.parts_chosen.connect(self.set_parts)
-        self.bar.log_chosen.connect(self.set_log)
+        self.bar.angle.valueChanged.connect(self.set_angle)
+        self.bar.parts.activated.connect(lambda _: self.set_parts(self.bar.parts.currentData()))
+        self.bar.log.clicked.connect(lambda: self.set_log(self.bar.log.isChecked()))
         self.bar.fit.clicked.connect(self.canvas.frame)
         self.canvas.read.connect(self.status.show_more)
         self.canvas.recoloured.connect(self._fill_list)
         self.canvas.menu_wanted.connect(self._open_menu)
         self.list.toggled.connect(self._toggle)
-
-    def sizeHint(self) -> QSize:
-        width = self.fontMetrics().averageCharWidth()
-        return QSize(80 * width, 20 * self.fontMetrics().height())
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         super().resizeEvent(event)
@@ -373,10 +371,6 @@ PARTS = {"mtf": "MTF", "ptf": "PTF", "both": "MTF, PTF"}
 
 
 class PlotBar(QtWidgets.QWidget):
-    angle_chosen = Signal(float)  # degrees: another direction of the line
-    parts_chosen = Signal(str)  # name: "mtf", "ptf" or "both"
-    log_chosen = Signal(bool)  # on: whether the ordinate is logarithmic
-
     def __init__(self, session: Session, owner: str, parent: QtWidgets.QWidget) -> None:
         super().__init__(parent)
         self.ports = viewer.PortChoice(session, viewer.PLOT_TYPES, "Whole chain", self)
@@ -385,15 +379,13 @@ class PlotBar(QtWidgets.QWidget):
         self.ports.setPlaceholderText("No curves")
         self._x = widgets.tool_button(f"{owner}.x", "x", "Plot along ξ, horizontally", self)
         self._y = widgets.tool_button(f"{owner}.y", "y", "Plot along η, vertically", self)
-        self.angle = QtWidgets.QDoubleSpinBox(self)
-        self.angle.setObjectName(f"{owner}.angle")
-        self.angle.setAccessibleName("Direction of the line, degrees")
-        self.angle.setToolTip("Direction of the line: 0 is horizontal, 90 vertical")
-        self.angle.setRange(-360.0, 360.0)
-        self.angle.setDecimals(1)
-        self.angle.setSingleStep(5.0)
-        self.angle.setSuffix("°")
-        self.angle.setKeyboardTracking(False)
+        self.angle = widgets.labelled(
+            QtWidgets.QDoubleSpinBox(
+                self, minimum=-360.0, maximum=360.0, decimals=1, singleStep=5.0, suffix="°",
+                keyboardTracking=False,
+            ), f"{owner}.angle", "Direction of the line, degrees",
+            "Direction of the line: 0 is horizontal, 90 vertical",
+        )  # fmt: skip
         self.parts = widgets.labelled(
             QtWidgets.QComboBox(self), f"{owner}.parts", "MTF, PTF or both"
         )
@@ -406,18 +398,11 @@ class PlotBar(QtWidgets.QWidget):
         self.fit = widgets.tool_button(f"{owner}.fit", "Fit", "Show the whole plot (F or 0)", self)
         self._of_chain = (self._x, self._y, self.angle, self.parts)
         self.ports.setMinimumContentsLength(_LETTERS)
-        flow = widgets.FlowLayout(
-            self, across=3, down=2
-        )  # a bar in one row would hold the dock wide
+        flow = widgets.FlowLayout(self, across=3, down=2)  # in one row it would hold the dock wide
         parts = (self.ports, self.pin, *self._of_chain, self.log, self.fit)
         widgets.filled(flow, *parts, margins=(2, 2, 2, 0))
         self._x.clicked.connect(lambda: self.angle.setValue(0.0))
         self._y.clicked.connect(lambda: self.angle.setValue(90.0))
-        self.angle.valueChanged.connect(self.angle_chosen)
-        self.parts.activated.connect(
-            lambda index: self.parts_chosen.emit(str(self.parts.itemData(index)))
-        )
-        self.log.clicked.connect(lambda: self.log_chosen.emit(self.log.isChecked()))
 
     def show_choices(
         self, port: str | None, angle_deg: float, parts: str, *, bare: bool = False
@@ -425,9 +410,8 @@ class PlotBar(QtWidgets.QWidget):
         self.ports.choose(port)
         if bare:
             self.ports.setCurrentIndex(-1)
-        self.angle.blockSignals(True)
-        self.angle.setValue(angle_deg)
-        self.angle.blockSignals(False)
+        with QSignalBlocker(self.angle):
+            self.angle.setValue(angle_deg)
         self.parts.setCurrentIndex(self.parts.findData(parts))
         for widget in self._of_chain:
             widget.setEnabled(port is None)

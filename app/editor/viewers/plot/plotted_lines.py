@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable, Iterable, Iterator, Sequence
+from collections.abc import Hashable, Iterable, Sequence
 from typing import Any, ClassVar, Literal
 
 import numpy as np
@@ -117,29 +117,29 @@ def transfer_drawing(
     entries = tuple(
         Entry(
             curve.name,
-            f"{curve.title} (beside)" if curve.kind == "beside" else curve.title,
-            curve.kind == "total",
-            curve.kind == "total" or (curve.acts and curve.kind == "stage"),
+            curve.title if kind == "total" else curve.name + " (beside)" * (kind == "beside"),
+            kind == "total",
+            kind == "total" or (curve.acts and kind == "stage"),
             strong=f"{curve.name}{SEPARATOR}".startswith(f"{strong}{SEPARATOR}"),
         )
-        for curve in drawn
+        for kind, curve in drawn
     )
     panels = []
     if parts in ("mtf", "both"):
         lines = (
-            Line(curve.name, curves.frequency, np.abs(curve.mtf) if log else curve.mtf)
-            for curve in drawn
+            Line(curve.name, curves.frequency, np.abs(curve.x.mtf) if log else curve.x.mtf)
+            for _, curve in drawn
         )
         panels.append(Panel("|MTF|" if log else "MTF", tuple(lines), (0.0, 1.0), log))
     if parts in ("ptf", "both"):
-        shifting = [curve for curve in drawn if curve.ptf.any()]
-        lines = (Line(curve.name, curves.frequency, curve.ptf) for curve in shifting)
+        shifting = [curve for _, curve in drawn if curve.x.ptf.any()]
+        lines = (Line(curve.name, curves.frequency, curve.x.ptf) for curve in shifting)
         panels.append(Panel("PTF (rad)", tuple(lines), None if shifting else (-1.0, 1.0)))
     along = _AXES.get(curves.angle_deg % 180.0)
     label = along or f"frequency along {curves.angle_deg:g}°"
     notes = [f"no Total: {curves.missing}"] if curves.missing and entries else []
     if len(drawn) < len(curves.curves):
-        stages = sum(curve.kind != "total" for curve in curves.curves)
+        stages = sum(kind != "total" for kind, _ in curves.curves)
         notes += [
             f"Strongest {_FEW} of {stages:,} stages",
             "Save the plot as CSV to get all stages",
@@ -149,16 +149,17 @@ def transfer_drawing(
     )
 
 
-def _drawn_of(curves: tuple[TransferCurve, ...]) -> tuple[TransferCurve, ...]:
+def _drawn_of(curves: Curves) -> Curves:
     """All curves, or of very many stages those that change most along the line."""
-    stages = [curve for curve in curves if curve.kind != "total"]
+    stages = [curve for kind, curve in curves if kind != "total"]
     if len(stages) <= _MANY:
         return curves
-    by_change = sorted(
-        stages, key=lambda c: max(np.abs(c.mtf - 1).max(), np.abs(c.ptf).max()), reverse=True
-    )
-    few = {curve.name for curve in by_change[:_FEW]}
-    return tuple(curve for curve in curves if curve.kind == "total" or curve.name in few)
+
+    def change(stage: StageResponse) -> float:
+        return float(max(np.abs(stage.x.mtf - 1).max(), np.abs(stage.x.ptf).max()))
+
+    few = {stage.name for stage in sorted(stages, key=change, reverse=True)[:_FEW]}
+    return tuple(one for one in curves if one[0] == "total" or one[1].name in few)
 
 
 def curve_drawing(data: CurveData, *, log: bool = False) -> Drawing:
@@ -288,24 +289,15 @@ Kind = Literal["stage", "beside", "total"]
 FINEST = 1025  # points of a curve
 
 
-@dataclass(frozen=True, eq=False)
-class TransferCurve:
-    name: str  # the node's id, or that of a product
-    title: str  # for people, unique in the plot
-    kind: Kind  # whether it leads to the final picture, stands beside, or is a product
-    mtf: Vector  # mtf, ptf: signed MTF, and PTF in radians
-    ptf: Vector
-
-    @property
-    def acts(self) -> bool:
-        return bool((self.mtf != 1).any() or self.ptf.any())
+Curves = tuple[tuple[Kind, StageResponse], ...]
+"""Along a line; whether each leads to the final picture, stands beside, or is a product."""
 
 
 @dataclass(frozen=True, eq=False)
 class TransferCurves:
     angle_deg: float  # direction of the line
     frequency: Vector  # cycles/mrad along the line
-    curves: tuple[TransferCurve, ...]  # the stages and products
+    curves: Curves  # the stages and products
     # frequencies along the line: the cutoff of the optics and Nyquist, which is that of the
     # spectrum's samples, called so where the pixels', of a coarser pitch or once samples are
     # combined, is marked beside it
@@ -345,11 +337,10 @@ class CurvesQuery(Query):
             return TransferCurves(self.angle_deg, np.zeros(0), (), (), trouble, missing)
         samples = min(FINEST, max(grid.rows, grid.columns) // 2 + 1)
         responses = responses_along(chain, passing.work, self.angle_deg, samples)
-        curves = (
-            *_curves("stage", responses.stages),
-            *_curves("beside", responses.beside),
-            *_curves("total", responses.products),
-        )
+        kinds: tuple[tuple[Kind, tuple[StageResponse, ...]], ...] = (
+            ("stage", responses.stages), ("beside", responses.beside), ("total", responses.products)
+        )  # fmt: skip
+        curves = tuple((kind, stage) for kind, stages in kinds for stage in stages)
         marks = _marks(chain, grid, Direction.at(self.angle_deg))
         trouble = _trouble(passing.plan, tuple(error_text(error) for error in responses.failed))
         return TransferCurves(self.angle_deg, responses.xi, curves, marks, trouble, _missing(chain))
@@ -406,12 +397,6 @@ def _cutoff_along(line: Direction) -> Any:
         return 1.0 / math.hypot(line.across / x, line.along / y) if factor.radial else None
 
     return cutoff
-
-
-def _curves(kind: Kind, stages: Iterable[StageResponse]) -> Iterator[TransferCurve]:
-    for stage in stages:
-        title = stage.title if kind == "total" else stage.name
-        yield TransferCurve(stage.name, title, kind, stage.x.mtf, stage.x.ptf)
 
 
 def _missing(chain: Chain) -> str:

@@ -42,4 +42,4 @@ def test_a_file_with_far_places_is_drawn_and_worked_on(window, library, tmp_path
     window.actions_by_name["ungroup"].trigger()
     assert not window.grab().isNull()
     assert window.session.save()
-    assert open_network_file(path, library=library).document.text() == path.read_text()
+    assert open_network_file(path, library=library)[0].text() == path.read_text()

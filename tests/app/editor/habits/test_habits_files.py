@@ -139,7 +139,7 @@ def test_a_file_that_may_only_be_read_is_not_written_over(window, hand, files):
     hand.key(KEY.Key_S, CTRL)
     assert path.read_bytes() == before
     assert stat.S_IMODE(path.stat().st_mode) == 0o444
-    assert "not saved" in window.status.error
+    assert "not saved" in window.status.said("error")
     assert window.isWindowModified()
 
 

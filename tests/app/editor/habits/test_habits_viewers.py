@@ -8,7 +8,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QFileDialog, QLabel, QLineEdit, QWidget
 
-from app.editor.window.files import Opened, shipped_copy
+from app.editor.window.files import shipped_copy
 from app.run.shipped import shipped_networks
 from core.chain.engine import Engine
 from core.editing.document import Document
@@ -140,7 +140,7 @@ def test_a_picture_is_exported(window, hand, idle, tmp_path):
         path = tmp_path / f"shown{suffix}"
         export(window, hand, path)
         assert path.stat().st_size > 0, suffix
-        assert str(path) in window.status.note, suffix
+        assert str(path) in window.status.said("information"), suffix
     samples = window.viewers.images[1].picture.samples
     np.testing.assert_array_equal(np.load(tmp_path / "shown.npy"), samples)
 
@@ -190,9 +190,9 @@ def test_every_panel_says_what_its_controls_are(window, idle):
     for name in some_of(sorted(shipped_networks()), 6):
         network = small_network(name, 64, 64)
         document = Document(network, library=library, path=SHIPPED / f"{name}.json")
-        window.files.show(Opened(shipped_copy(document)))
+        window.files.show(shipped_copy(document))
         idle(window)
-        assert window.status.error == "", name
+        assert window.status.said("error") == "", name
         assert window.viewers.images[1].picture is not None, name
         for node in window.session.network.nodes.values():
             panel = (node.module, repr(choices(window.session, node)))

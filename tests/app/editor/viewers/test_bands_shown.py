@@ -66,12 +66,12 @@ def test_all_bands_at_first_and_no_controls_where_there_are_none(viewer, bench, 
     bench.settle()
     assert not viewer.band_bar.isVisible()
     assert not viewer.canvas.shows(Spectra)
-    assert not viewer.bar.display.spectra.isEnabled()
+    assert not viewer.bar.spectra.isEnabled()
     assert len(viewer.queries()) == 1
     viewer.look_at(READ)
     bench.settle()
     assert viewer.band_bar.isVisible()
-    assert viewer.bar.display.spectra.isEnabled()
+    assert viewer.bar.spectra.isEnabled()
     assert viewer.picture.facts.wavelengths_um
 
 

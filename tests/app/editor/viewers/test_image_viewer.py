@@ -146,9 +146,9 @@ def test_nothing_is_left_of_a_closed_viewer(bench):
         viewer.look_at(FINAL)
         viewer.show()
         bench.settle()
-        viewer.bar.display.profile.setChecked(True)
+        viewer.bar.profile.setChecked(True)
         viewer.bar.opening.emit()
-        viewer.bar.compare.other_chosen.emit("scene.image")
+        viewer.bar.other_chosen.emit("scene.image")
         bench.settle()
         return viewer
 
@@ -167,7 +167,7 @@ def test_levels_are_dragged_on_the_histogram_of_the_samples(bench, viewer, qtbot
     bench.settle()
     assert viewer.picture.levels == pytest.approx((low, high), rel=1e-9)
     assert (viewer.canvas.first.image == grey_levels(samples, low, high)).mean() > 0.999
-    viewer.bar.display.levels.chosen.emit("extremes")
+    viewer.bar.levels.chosen.emit("extremes")
     bench.settle()
     assert viewer.picture.levels == (samples.min(), samples.max())
     wanted = pytest.approx((samples.min(), samples.max()))
@@ -202,7 +202,7 @@ def test_a_pixel_that_is_wide_enough_has_its_value_written_on_it(viewer, qtbot):
 
 
 def test_wipe(bench, viewer):
-    viewer.bar.compare.other_chosen.emit("blur.mtf")
+    viewer.bar.other_chosen.emit("blur.mtf")
     bench.settle()
     canvas, picture = viewer.canvas, viewer.picture
     assert canvas.second.isVisible()
@@ -220,13 +220,13 @@ def test_wipe(bench, viewer):
         found = drawn.pixelColor(dot).red()
         wanted = here if left else there
         assert wanted.min() <= found <= wanted.max()
-    viewer.bar.compare.mode.chosen.emit("alone")
+    viewer.bar.mode.chosen.emit("alone")
     bench.settle()
     assert not canvas.second.isVisible()
 
 
 def test_profile_means_and_spectrum(bench, viewer):
-    viewer.bar.display.profile.setChecked(True)
+    viewer.bar.profile.setChecked(True)
     profile = viewer.canvas.below[ProfileLine]
     for handle, x in zip(profile.line.getHandles(), (0.25, 0.75), strict=True):
         profile.line.movePoint(handle, (x, 0.5), coords="parent")
@@ -238,11 +238,11 @@ def test_profile_means_and_spectrum(bench, viewer):
     middle = (above + below) / 2 if rows % 2 == 0 else below
     wanted = np.interp(0.25 * columns - 0.5 + distance, np.arange(columns), middle)
     assert value == pytest.approx(wanted, rel=1e-6)
-    viewer.bar.display.profile.setChecked(False)
+    viewer.bar.profile.setChecked(False)
     assert not viewer.canvas.shows(ProfileLine)
     # Means of rows and columns, of both pictures.
-    viewer.bar.display.means.setChecked(True)
-    viewer.bar.compare.other_chosen.emit("scene.image")
+    viewer.bar.means.setChecked(True)
+    viewer.bar.other_chosen.emit("scene.image")
     bench.settle()
     for curves, port in ((slice(0, 2), FINAL), (slice(2, 4), "scene.image")):
         samples = np.asarray(bench.value(port), np.float64)
@@ -250,11 +250,11 @@ def test_profile_means_and_spectrum(bench, viewer):
         assert rows[1] == pytest.approx([float(np.mean(row)) for row in samples], rel=1e-6)
         assert columns[1] == pytest.approx([float(np.mean(c)) for c in samples.T], rel=1e-6)
         assert list(columns[0][:2]) == [0.0, 1.0]
-    viewer.bar.display.means.setChecked(False)
+    viewer.bar.means.setChecked(False)
     assert not viewer.canvas.shows(LineMeans)
     # The centred spectrum is shown on frequencies.
-    viewer.bar.compare.mode.chosen.emit("alone")
-    viewer.bar.display.mapping.chosen.emit("spectrum")
+    viewer.bar.mode.chosen.emit("alone")
+    viewer.bar.mapping.chosen.emit("spectrum")
     bench.settle()
     assert viewer.picture.facts.kind == "plane"
     assert "cyc/mrad" in viewer.canvas.plot.getAxis("bottom").labelText
@@ -269,7 +269,7 @@ def test_samples_are_written_in_full_and_a_picture_as_it_looks(bench, viewer, tm
         path = tmp_path / f"out{suffix}"
         viewer.save_as(path)
         assert (read_pixels(path) == bench.value(FINAL)).all()
-    viewer.bar.display.colours.chosen.emit("viridis")
+    viewer.bar.colours.chosen.emit("viridis")
     viewer.canvas.grab()
     viewer.save_as(tmp_path / "look.png")
     written = QImage(str(tmp_path / "look.png")).convertToFormat(QImage.Format.Format_RGB888)

@@ -130,7 +130,7 @@ def test_it_is_framed_on_pictures_of_the_same_size_before_the_selected_node(benc
     bench.session.select(["blur"])
     assert framed(viewer) is None
     bench.session.select(["measured"])
-    viewer.bar.display.mapping.chosen.emit("spectrum")
+    viewer.bar.mapping.chosen.emit("spectrum")
     bench.settle()
     assert framed(viewer) is None
 

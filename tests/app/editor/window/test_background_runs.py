@@ -68,7 +68,7 @@ def add_frames(window, qtbot, count=LONG):
 
 
 def computing(qtbot, run):
-    qtbot.waitUntil(lambda: run.step.doing.startswith("frames"))
+    qtbot.waitUntil(lambda: run.doing.startswith("frames"))
     return run.pid
 
 
@@ -118,7 +118,7 @@ def test_a_sweep_by_the_keyboard_alone(desk, qtbot, browser, tmp_path):
     qtbot.waitUntil(desk.runs.view.list.hasFocus)
     over(qtbot, entry)
     assert entry.state == "done", entry.text
-    assert "done" not in desk.status.note, "the list is seen, and says so itself"
+    assert "done" not in desk.status.said("information"), "the list is seen, and says so itself"
     folder = tmp_path / "mine-sweep"
     runs = [f"blur.sigma_x_mrad={value}" for value in (0.1, 0.3)]
     assert names(folder) == [*runs, "tradeoff.csv", "tradeoff.html"]
@@ -184,14 +184,14 @@ def test_runs_are_cancelled_killed_and_done_and_the_window_says_so(desk, qtbot, 
     desk.runs.dock.hide()  # where the list is not seen, the end of a run is said
     assert over(qtbot, small).state == "done"
     assert names(tmp_path) == sorted([*before, "mine-frames-2"])
-    assert desk.status.error == ""
-    assert desk.status.note == "mine: 2 frames: done"
+    assert desk.status.said("error") == ""
+    assert desk.status.said("information") == "mine: 2 frames: done"
     entry = add_frames(desk, qtbot)
     desk.runs.dock.hide()
     os.kill(computing(qtbot, entry), signal.SIGKILL)
     over(qtbot, entry)
     assert entry.text == "the system ended the process (signal 9): memory may have run out"
-    assert desk.status.error == f"mine: {LONG} frames: failed: {entry.text}"
+    assert desk.status.said("error") == f"mine: {LONG} frames: failed: {entry.text}"
     desk.close()  # of runs that are over nothing is asked
     assert not desk.isVisible()
 

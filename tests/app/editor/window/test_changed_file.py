@@ -86,22 +86,26 @@ def test_the_second_to_save_is_asked_and_nothing_is_written_before_the_answer(tw
 
 def test_both_windows_say_so_and_a_change_from_outside_is_said_by_itself(two, file, qtbot):
     one, other = two
-    qtbot.waitUntil(lambda: "mine.json is also open" in one.status.warning)
-    qtbot.waitUntil(lambda: "has changed mine.json" in other.status.warning)  # by the first one
-    assert "changed" not in one.status.warning
+    qtbot.waitUntil(lambda: "mine.json is also open" in one.status.said("warning"))
+    qtbot.waitUntil(
+        lambda: "has changed mine.json" in other.status.said("warning")
+    )  # by the first one
+    assert "changed" not in one.status.said("warning")
     for how in (write_in_place, replace):
         one.files.save_to(file, over=True)
-        qtbot.waitUntil(lambda: "changed" not in one.status.warning)
-        assert f"saved {file}" in one.status.note
+        qtbot.waitUntil(lambda: "changed" not in one.status.said("warning"))
+        assert f"saved {file}" in one.status.said("information")
         how(file)
-        qtbot.waitUntil(lambda: "another program has changed mine.json" in one.status.warning)
+        qtbot.waitUntil(
+            lambda: "another program has changed mine.json" in one.status.said("warning")
+        )
     file.unlink()
-    qtbot.waitUntil(lambda: "has removed mine.json" in one.status.warning)
+    qtbot.waitUntil(lambda: "has removed mine.json" in one.status.said("warning"))
     other.close_for_good()
     one.files.save_to(file, over=True)
     assert one.files.open_now(str(file))
     qtbot.wait(500)
-    assert one.status.warning == ""
+    assert one.status.said("warning") == ""
 
 
 def write_in_place(file):

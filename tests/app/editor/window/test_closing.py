@@ -32,7 +32,7 @@ def assert_alive(window, qtbot, folder):
     window.evaluator.pass_done.connect(done.append)
     window.session.do(set_parameter(name, "width", 96))
     qtbot.waitUntil(lambda: bool(done) and window.evaluator.idle)
-    assert window.status.error == ""
+    assert window.status.said("error") == ""
 
 
 # --- modified ----------------------------------------------------------------------------------

@@ -29,7 +29,7 @@ def lines(window):
 
 def test_help_is_about_the_selected_module(window, monkeypatch):
     asked = []
-    monkeypatch.setattr(window.help.handbook, "open", asked.append)
+    monkeypatch.setattr(window.help, "open_handbook", asked.append)
     window.session.select([add(window, "jitter_mtf")])
     window.actions_by_name["module_help"].trigger()
     assert asked == ["jitter_mtf"]

@@ -106,8 +106,8 @@ def test_what_is_said_holds(window, hand, tmp_path):
     # That it was saved is gone with the next edit.
     assert window.session.save(tmp_path / "mine.json")
     window.files.save()
-    assert "saved" in window.status.note
+    assert "saved" in window.status.said("information")
     hand.click(hand.middle("test_scene"))
-    assert "saved" in window.status.note  # it still is
+    assert "saved" in window.status.said("information")  # it still is
     hand.key(KEY.Key_D)
-    assert window.status.note == ""
+    assert window.status.said("information") == ""

@@ -246,14 +246,14 @@ def test_presets_and_sets_of_values_are_kept_and_taken_again(grouped, window, se
     window.actions_by_name["save_preset"].trigger()
     folder = settings.path.parent / "presets"
     assert [path.name for path in folder.iterdir()] == ["lens.json"]
-    assert str(folder) in window.status.note
+    assert str(folder) in window.status.said("information")
     item = library_item(window, "lens")
     assert item.parent().text(0) == "Own presets"
     click_twice(window, item)
     assert window.session.selection == ("lens_2",)
     window.session.select(["lens"])
     window.actions_by_name["save_preset"].trigger()
-    assert "a preset lens already exists" in window.status.error
+    assert "a preset lens already exists" in window.status.said("error")
     assert [path.name for path in folder.iterdir()] == ["lens.json"]
     # Parameters are saved as a set and taken again.
     window.session.select(["scene"])

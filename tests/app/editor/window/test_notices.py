@@ -58,8 +58,8 @@ def test_severities_are_told_apart_and_each_is_closed_by_a_click(window, idle):
     # A warning outlives an edit.
     window.session.message.emit("warning", "another program has the file")
     window.session.message.emit("error", "not saved")
-    assert window.status.error == "not saved"
-    assert window.status.warning == "another program has the file"
+    assert window.status.said("error") == "not saved"
+    assert window.status.said("warning") == "another program has the file"
     click(window, "status.message.close")
     label = window.findChild(QWidget, "status.message.text")
     assert label.text() == "another program has the file"
@@ -67,7 +67,7 @@ def test_severities_are_told_apart_and_each_is_closed_by_a_click(window, idle):
     window.session.do(set_parameter("test_scene", "width", 300))
     assert label.text() == "another program has the file"
     window.session.open(Document(Network(), library=window.session.library))
-    assert window.status.warning == ""
+    assert window.status.said("warning") == ""
     # No band is kept for messages, and nothing moves.
     window.resize(1366, 768)
     window.show_canvas()

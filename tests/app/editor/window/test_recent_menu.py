@@ -48,7 +48,7 @@ def test_files_are_listed_opened_by_keys_missed_and_cleared(window, settings, sa
     assert "here && there" in text
     paths[0].unlink()
     window.recent_menu.actions()[0].trigger()
-    assert "a & b.json" in window.status.error
+    assert "a & b.json" in window.status.said("error")
     assert window.session.document.path is None
     # Keys alone open the second.
     second = settings.recent[1]

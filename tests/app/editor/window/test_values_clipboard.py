@@ -53,9 +53,9 @@ def test_keys_paste_the_values_of_one_node_on_others_or_say_why_not(window, hand
     hand.key(KEY.Key_C, BOTH)
     hand.select("shake")
     hand.key(KEY.Key_V, BOTH)
-    assert "no values were pasted" in window.status.error
-    assert "Gaussian MTF has no" in window.status.error
-    assert "\n" not in window.status.error
+    assert "no values were pasted" in window.status.said("error")
+    assert "Gaussian MTF has no" in window.status.said("error")
+    assert "\n" not in window.status.said("error")
     assert params(window, "shake") == {"sigma_y_mrad": 0.9}
 
 

@@ -26,7 +26,7 @@ def test_what_is_dropped_replaces_the_scene_in_one_step_and_faults_change_nothin
     (tmp_path / "broken.json").write_text("{")
     assert not window.files.open_now(str(tmp_path / "broken.json"))
     assert window.session.network is before
-    assert "broken.json" in window.status.error
+    assert "broken.json" in window.status.said("error")
     np.save(tmp_path / "own.npy", np.arange(48.0).reshape(6, 8))
     middle = window.canvas.content.nodes["scene"].frame().center()
     window.canvas.surface.files_dropped.emit([str(tmp_path / "own.npy")], middle)
@@ -36,14 +36,14 @@ def test_what_is_dropped_replaces_the_scene_in_one_step_and_faults_change_nothin
     assert (after.links, after.layout) == (before.links, before.layout)
     assert after.nodes["scene"].params["fov_x_deg"] == pytest.approx(10.0)
     assert window.session.selection == ("scene",)
-    note = window.status.note
+    note = window.status.said("information")
     assert note.startswith("own.npy, 8 × 6 samples, replaces Test Scene; samples 0…47 scaled to ")
     assert "(" not in note  # no names of options, which a drop has not
     window.session.undo()
     assert window.session.network == before
     window.canvas.surface.files_dropped.emit([str(tmp_path / "none.npy")], middle)
     assert window.session.network == before
-    assert "none.npy: no such file" in window.status.error
+    assert "none.npy: no such file" in window.status.said("error")
 
 
 # --- saving ------------------------------------------------------------------------------------
@@ -88,7 +88,7 @@ def test_work_is_soon_on_the_disk_and_survives_a_full_one(window, qtbot, tmp_pat
 
     monkeypatch.setattr(core.atomic, "_create_beside", on_a_full_disk)
     assert not window.session.save()
-    assert "No space left" in window.status.error
+    assert "No space left" in window.status.said("error")
     assert path.read_bytes() == before
     assert window.session.document.modified
 
