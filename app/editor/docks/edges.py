@@ -8,16 +8,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import pyqtgraph as pg
+from PySide6 import QtWidgets
 from PySide6.QtCore import QEvent, QPointF, QRectF, QSignalBlocker, QSize, Qt, Signal
 from PySide6.QtGui import QColor, QKeyEvent, QMouseEvent, QPainter, QPen
-from PySide6.QtWidgets import (
-    QHeaderView,
-    QTableWidgetItem,
-    QTreeWidget,
-    QTreeWidgetItem,
-    QVBoxLayout,
-    QWidget,
-)
 
 from app.editor.declared_text import tip
 from app.editor.panels.chart import Chart, ChartWidget
@@ -36,17 +29,17 @@ _DELETE_KEYS = (Qt.Key.Key_Delete, Qt.Key.Key_Backspace)
 _FIGURE_HEADS = ("Figure", "Value", "Unit")
 
 
-class EdgeTable(QTreeWidget):
+class EdgeTable(QtWidgets.QTreeWidget):
     chosen = Signal(int)  # (place): the person marks an edge
     switched = Signal()  # a key removes the marked edge, or uses it again
 
-    def __init__(self, parent: QWidget) -> None:
+    def __init__(self, parent: QtWidgets.QWidget) -> None:
         super().__init__(parent, rootIsDecorated=False)
         labelled(self, "measure.edges", "Edges; press Del to exclude or include the selected edge")
         self.setHeaderLabels(["Edge", "Normal", "MTF50", "State"])
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         for column in range(3):
-            mode = QHeaderView.ResizeMode.ResizeToContents
+            mode = QtWidgets.QHeaderView.ResizeMode.ResizeToContents
             self.header().setSectionResizeMode(column, mode)
         self.currentItemChanged.connect(self._marked)
 
@@ -56,7 +49,7 @@ class EdgeTable(QTreeWidget):
         with QSignalBlocker(self):
             if len(edges) != self.topLevelItemCount():
                 self.clear()
-                self.addTopLevelItems([QTreeWidgetItem() for _ in edges])
+                self.addTopLevelItems([QtWidgets.QTreeWidgetItem() for _ in edges])
             for place, edge in enumerate(edges):
                 item = self.topLevelItem(place)
                 assert item is not None
@@ -76,7 +69,7 @@ class EdgeTable(QTreeWidget):
         else:
             super().keyPressEvent(event)
 
-    def _marked(self, item: QTreeWidgetItem | None, *_: object) -> None:
+    def _marked(self, item: QtWidgets.QTreeWidgetItem | None, *_: object) -> None:
         if item is not None:
             self.chosen.emit(self.indexOfTopLevelItem(item))
 
@@ -101,7 +94,7 @@ def edge_words(place: int, edge: MeasuredEdge) -> str:
 
 
 class FigureTable(CopiedTable):
-    def __init__(self, parent: QWidget) -> None:
+    def __init__(self, parent: QtWidgets.QWidget) -> None:
         super().__init__(0, len(_FIGURE_HEADS), parent)
         labelled(self, "measure.figures", "MTF and noise figures; Ctrl+C copies them")
         self.list_figures(_FIGURE_HEADS)
@@ -110,7 +103,7 @@ class FigureTable(CopiedTable):
         self.setRowCount(len(rows))
         for row, (name, value, unit, meaning) in enumerate(rows):
             for column, text in enumerate((meaning, value, unit)):
-                item = QTableWidgetItem(text)
+                item = QtWidgets.QTableWidgetItem(text)
                 if column == 1:
                     item.setTextAlignment(RIGHT)
                 item.setToolTip(name)
@@ -129,7 +122,7 @@ _SOLID, _DASH, _DOT = Qt.PenStyle.SolidLine, Qt.PenStyle.DashLine, Qt.PenStyle.D
 class MtfChart(ChartWidget):
     read = Signal(str)  # (text): what stands under the mouse; empty where nothing does
 
-    def __init__(self, parent: QWidget | None = None) -> None:
+    def __init__(self, parent: QtWidgets.QWidget | None = None) -> None:
         super().__init__(width=20, height=13, parent=parent)
         labelled(
             self, "measure.mtf", "MTF against frequency",
@@ -215,7 +208,7 @@ class EdgeCanvas(pg.PlotWidget):  # type: ignore[misc]
     stepped = Signal(int)  # (by): a key goes to the next edge, or the one before
     switched = Signal()  # a key removes the chosen edge, or uses it again
 
-    def __init__(self, parent: QWidget) -> None:
+    def __init__(self, parent: QtWidgets.QWidget) -> None:
         super().__init__(parent, enableMenu=False)
         about = "Picture with its edges; use the arrow keys to move between edges"
         labelled(self, "measure.picture", about)
@@ -235,7 +228,7 @@ class EdgeCanvas(pg.PlotWidget):  # type: ignore[misc]
         self._current = -1
         self._all = True
         self.hint = centred_hint(_HINT, self)
-        filled(QVBoxLayout(self), self.hint)
+        filled(QtWidgets.QVBoxLayout(self), self.hint)
         self.scene().sigMouseClicked.connect(self._clicked)
 
     def show_measured(self, measured: PictureMeasurement | None, picture: int = 0) -> None:
@@ -378,7 +371,7 @@ def drawn_edges(patches: tuple[Patch, ...], edges: EdgesAt) -> tuple[DrawnEdge, 
 
 
 class SpreadChart(ChartWidget):
-    def __init__(self, parent: QWidget | None = None) -> None:
+    def __init__(self, parent: QtWidgets.QWidget | None = None) -> None:
         super().__init__(width=24, height=14, parent=parent)
         labelled(
             self, "fit.spread", "Measured and modelled edge profile",
@@ -387,7 +380,7 @@ class SpreadChart(ChartWidget):
         )  # fmt: skip
         self.edge: DrawnEdge | None = None
         self.hint = centred_hint(_FIT_HINT, self)
-        filled(QVBoxLayout(self), self.hint)
+        filled(QtWidgets.QVBoxLayout(self), self.hint)
 
     def show_edge(self, edge: DrawnEdge | None) -> None:
         self.edge = edge

@@ -8,19 +8,8 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from PySide6 import QtGui
 from PySide6.QtCore import QEvent, QPointF, QRectF, QSize, Qt, QTimer, Signal
-from PySide6.QtGui import (
-    QColor,
-    QFocusEvent,
-    QFontMetricsF,
-    QKeyEvent,
-    QMouseEvent,
-    QPainter,
-    QPalette,
-    QPen,
-    QResizeEvent,
-    QStandardItem,
-)
 from PySide6.QtWidgets import QComboBox, QCompleter, QGridLayout, QLineEdit, QWidget
 
 from app.editor.declared_text import label_of, shown_number, tip, titled
@@ -68,13 +57,13 @@ class FigureChart(ChartWidget):
         line = self.fontMetrics().height()
         return QSize(10 * line, round(_LINES * line))
 
-    def draw(self, painter: QPainter, area: QRectF) -> None:
+    def draw(self, painter: QtGui.QPainter, area: QRectF) -> None:
         plots = self.plots
         index, span = plots.charts.index(self), plots.span
         if span is None:
             return
         graph = plots.graphs[index]
-        metrics = QFontMetricsF(painter.font())
+        metrics = QtGui.QFontMetricsF(painter.font())
         rows = (ordinate_ticks(_ordinate(each), area.height(), metrics) for each in plots.graphs)
         left = max(room_for_ticks(ticks, metrics) for ticks in rows)  # so that frames line up
         title = plots.label if index + plots.across >= len(plots.graphs) else ""
@@ -87,7 +76,7 @@ class FigureChart(ChartWidget):
             chart.dots(graph.x[known], graph.y[known], colour, 2.0)
         if plots.mark is not None and span.low <= plots.mark <= span.high:
             place = frame.left() + span.share(plots.mark) * frame.width()
-            painter.setPen(QPen(QColor(self.theme.accent), 2.0))
+            painter.setPen(QtGui.QPen(QtGui.QColor(self.theme.accent), 2.0))
             painter.drawLine(QPointF(place, frame.top()), QPointF(place, frame.bottom()))
         self.frame = frame.translated(self.pos())
 
@@ -106,7 +95,7 @@ class TradeOffPlots(QWidget):
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setMouseTracking(True)
         self.setAutoFillBackground(True)
-        self.setBackgroundRole(QPalette.ColorRole.Base)
+        self.setBackgroundRole(QtGui.QPalette.ColorRole.Base)
         self.graphs: tuple[Graph, ...] = ()
         self.span: Span | None = None
         self.mark: float | None = None
@@ -133,7 +122,7 @@ class TradeOffPlots(QWidget):
     def show_hint(self, text: str) -> None:
         show_or_hide(self._hint, text)
 
-    def resizeEvent(self, event: QResizeEvent) -> None:
+    def resizeEvent(self, event: QtGui.QResizeEvent) -> None:
         super().resizeEvent(event)
         self._place_charts()
 
@@ -152,17 +141,17 @@ class TradeOffPlots(QWidget):
             event.accept()
         return bool(super().event(event))
 
-    def mousePressEvent(self, event: QMouseEvent) -> None:
+    def mousePressEvent(self, event: QtGui.QMouseEvent) -> None:
         if event.button() == Qt.MouseButton.LeftButton:
             self._dragged = self._chart_at(event.position())
             self._drag(event.position())
 
-    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+    def mouseMoveEvent(self, event: QtGui.QMouseEvent) -> None:
         self._drag(event.position())
         chart = self._chart_at(event.position())
         self.pointed.emit(math.nan if chart is None else self._value(chart, event.position()))
 
-    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
+    def mouseReleaseEvent(self, event: QtGui.QMouseEvent) -> None:
         if self._dragged is not None and event.button() == Qt.MouseButton.LeftButton:
             self._dragged = None
             self.released.emit()
@@ -171,7 +160,7 @@ class TradeOffPlots(QWidget):
         super().leaveEvent(event)
         self.pointed.emit(math.nan)
 
-    def keyPressEvent(self, event: QKeyEvent) -> None:
+    def keyPressEvent(self, event: QtGui.QKeyEvent) -> None:
         steps = _STEPS.get(Qt.Key(event.key()))
         if steps is None:
             super().keyPressEvent(event)
@@ -179,7 +168,7 @@ class TradeOffPlots(QWidget):
         far = 10 if event.modifiers() & Qt.KeyboardModifier.ShiftModifier else 1
         self.stepped.emit(steps * far)
 
-    def keyReleaseEvent(self, event: QKeyEvent) -> None:
+    def keyReleaseEvent(self, event: QtGui.QKeyEvent) -> None:
         super().keyReleaseEvent(event)
         if event.key() in _STEPS and not event.isAutoRepeat():
             self.released.emit()
@@ -448,7 +437,7 @@ class ParameterChoice(NodeChoice):
             self.setCurrentIndex(place)
             self.take_at(place)
 
-    def focusInEvent(self, event: QFocusEvent) -> None:
+    def focusInEvent(self, event: QtGui.QFocusEvent) -> None:
         super().focusInEvent(event)
         QTimer.singleShot(0, self._select_all)
 
@@ -465,7 +454,7 @@ class ParameterChoice(NodeChoice):
     def choose(self, node: str, parameter: str) -> None:
         self.show_value(f"{node}.{parameter}" if node else "")
 
-    def groups(self) -> Iterable[tuple[str, Sequence[QStandardItem]]]:
+    def groups(self) -> Iterable[tuple[str, Sequence[QtGui.QStandardItem]]]:
         for name in self.session.network.nodes:
             declared = self.session.declared(name)
             numbers = [p for p in declared.parameters if p.kind in NUMERIC] if declared else []
@@ -481,7 +470,7 @@ class ParameterChoice(NodeChoice):
             self.setCurrentIndex(max(0, self.findData(self.value, VALUE)))
 
 
-def _entry(node: str, parameter: Parameter) -> QStandardItem:
+def _entry(node: str, parameter: Parameter) -> QtGui.QStandardItem:
     unit = f" ({parameter.param.unit})" if parameter.param.unit else ""
     name = f"{node}.{parameter.name}"
     text = f"{label_of(parameter.name)} of {node}{unit}"

@@ -13,9 +13,7 @@ from app.editor.evaluation.queries import Badge
 from app.editor.panels.fields.type_in import TypeIn
 from app.editor.panels.preview_view import PreviewView
 from app.editor.theme import ERROR, FAINT, set_ground, set_ink, theme_of
-from app.editor.widgets import (
-    without_argument,
-)
+from app.editor.widgets import without_argument
 from core.network.network import Node
 
 _SHARE = 0.45  # of the panels' height, for an illustration at most

@@ -38,9 +38,7 @@ from app.editor.panels.fields.field_menu import offer
 from app.editor.panels.fields.number import NumberField, PathField
 from app.editor.theme import CHANGED, FAINT, TEXT, set_ink, theme_of
 from app.editor.viewers.viewer import PLOT_TYPES, VIEWER_NUMBERS, Viewer
-from app.editor.widgets import (
-    without_argument,
-)
+from app.editor.widgets import without_argument
 from core.chain.engine import Plan
 from core.editing.operations import ABSENT
 from core.errors import shown, thaw

@@ -11,6 +11,7 @@ from PySide6 import QtWidgets
 from PySide6.QtCore import QSize, Qt, Signal
 from PySide6.QtGui import QAction, QFocusEvent, QResizeEvent
 
+from app.editor import widgets
 from app.editor.declared_text import tip
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.queries import Badge
@@ -23,15 +24,6 @@ from app.editor.panels.module_body import ModuleBody, UnknownBody
 from app.editor.panels.preview_view import PreviewView, preview_query
 from app.editor.session import Session, followed_name, renamed_node
 from app.editor.theme import ERROR, FAINT, RAISED
-from app.editor.widgets import (
-    Menu,
-    WheelScrollArea,
-    filled,
-    labelled,
-    plain_label,
-    show_or_hide,
-    without_argument,
-)
 from app.run.preset_files import Sets, given, remove_set, save_set, sets_of
 from core.editing import operations
 from core.errors import ImagechainError, ParameterError
@@ -40,7 +32,7 @@ from core.network.macro import SEPARATOR
 from core.network.network import MACRO, SEEDS, Network, check_seed
 
 
-class PanelArea(WheelScrollArea):
+class PanelArea(widgets.WheelScrollArea):
     """A stack of panels that scrolls.
 
     `illustrations` has the modules whose illustration the person has folded away, or unfolded: of
@@ -51,7 +43,7 @@ class PanelArea(WheelScrollArea):
 
     def __init__(self, session: Session, evaluator: Evaluator) -> None:
         super().__init__()
-        labelled(self, "panels", "control panels")
+        widgets.labelled(self, "panels", "control panels")
         self.setFrameShape(QtWidgets.QFrame.Shape.NoFrame)
         self.setWidgetResizable(True)
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
@@ -67,7 +59,9 @@ class PanelArea(WheelScrollArea):
         self.panels: dict[str, NodePanel] = {}
         self.sets_folder: Path | None = None
         content = QtWidgets.QWidget(self)
-        self._column = filled(QtWidgets.QVBoxLayout(content), margins=(2, 2, 2, 2), spacing=6)
+        self._column = widgets.filled(
+            QtWidgets.QVBoxLayout(content), margins=(2, 2, 2, 2), spacing=6
+        )
         self.network_panel = NetworkPanel(session, content)
         self._column.addWidget(self.network_panel)
         self._column.addStretch(1)
@@ -193,7 +187,7 @@ class PanelArea(WheelScrollArea):
 class NetworkPanel(QtWidgets.QFrame):
     def __init__(self, session: Session, parent: QtWidgets.QWidget) -> None:
         super().__init__(parent)
-        labelled(self, "panel.network", "control panel of the network")
+        widgets.labelled(self, "panel.network", "control panel of the network")
         self.setFrameShape(QtWidgets.QFrame.Shape.StyledPanel)
         self._session = session
         bar = TitleBar("Network", self)
@@ -201,24 +195,24 @@ class NetworkPanel(QtWidgets.QFrame):
         bar.setAutoFillBackground(True)
         bar.fold.hide()
         below = QtWidgets.QWidget(self)
-        self.name = labelled(TypeIn(below), "network_name", "name of the network")
+        self.name = widgets.labelled(TypeIn(below), "network_name", "name of the network")
         self.name.setPlaceholderText("untitled")
         self.name.committed.connect(partial(self._set, "name"))
         about = "description of the network"
-        self.description = labelled(Words(below), "network_description", about)
+        self.description = widgets.labelled(Words(below), "network_description", about)
         self.description.committed.connect(partial(self._set, "description"))
-        self.seed = labelled(TypeIn(below), "network_seed", "seed of the network's noise")
+        self.seed = widgets.labelled(TypeIn(below), "network_seed", "seed of the network's noise")
         about = f"The seed is {SEEDS}. The same seed gives the same noise"
         self.seed.setToolTip(tip(about))
         self.seed.setAccessibleDescription(about)
         self.seed.committed.connect(self._set_seed)
         for edit in (self.name, self.seed):
             edit.given_up.connect(self._restore)
-        self.seed_problem = plain_label("seed_problem", below, role=ERROR)
+        self.seed_problem = widgets.plain_label("seed_problem", below, role=ERROR)
         self.seed_problem.hide()
-        self.count = plain_label("network_count", below)
+        self.count = widgets.plain_label("network_count", below)
         text = "Select a node to see its control panel here."
-        hint = plain_label("network_hint", below, text, role=FAINT)
+        hint = widgets.plain_label("network_hint", below, text, role=FAINT)
         form = QtWidgets.QFormLayout(
             fieldGrowthPolicy=QtWidgets.QFormLayout.FieldGrowthPolicy.AllNonFixedFieldsGrow
         )
@@ -229,10 +223,10 @@ class NetworkPanel(QtWidgets.QFrame):
         form.addRow("Contents", self.count)
         words = QtWidgets.QLabel("Description", below)
         words.setBuddy(self.description)
-        filled(
+        widgets.filled(
             QtWidgets.QVBoxLayout(below), form, words, self.description, hint, margins=(8, 4, 8, 8)
         )
-        filled(QtWidgets.QVBoxLayout(self), bar, below)
+        widgets.filled(QtWidgets.QVBoxLayout(self), bar, below)
         self.follow(session.network)
 
     def follow(self, network: Network) -> None:
@@ -257,7 +251,7 @@ class NetworkPanel(QtWidgets.QFrame):
 
     def _show_seed(self, network: Network) -> None:
         self.seed.show_text(str(network.seed))
-        show_or_hide(self.seed_problem, "")
+        widgets.show_or_hide(self.seed_problem, "")
 
     def _set(self, field: str, value: object) -> None:
         self._session.do(operations.set_network_field(field, value))
@@ -269,7 +263,7 @@ class NetworkPanel(QtWidgets.QFrame):
         try:
             check_seed(seed)
         except ParameterError as error:
-            show_or_hide(self.seed_problem, error.message)
+            widgets.show_or_hide(self.seed_problem, error.message)
             self.seed.mark()
             return
         self.seed.setModified(False)
@@ -313,7 +307,7 @@ class NodePanel(QtWidgets.QFrame):
         self.module = session.network.nodes[node].module
         declared = self.declared = session.declared(node)
         title = declared.title if declared is not None else self.module
-        labelled(self, f"panel.{node}", f"control panel of {node}: {title}")
+        widgets.labelled(self, f"panel.{node}", f"control panel of {node}: {title}")
         self.body: ModuleBody | UnknownBody
         if declared is not None:
             self.head = PanelHead(title, declared.group, declared.text, self)
@@ -331,7 +325,7 @@ class NodePanel(QtWidgets.QFrame):
             self.body = UnknownBody(self.module, node, why, self)
             for button in (self.head.auto, self.head.disable, self.head.generate, self.head.output):
                 button.setEnabled(False)
-        filled(QtWidgets.QVBoxLayout(self), self.head, self.body, spacing=0)
+        widgets.filled(QtWidgets.QVBoxLayout(self), self.head, self.body, spacing=0)
         keeps = area.sets_folder is not None and declared is not None and declared.key != MACRO
         self.head.sets.setVisible(keeps and bool(declared and declared.parameters))
         self._connect()
@@ -340,7 +334,7 @@ class NodePanel(QtWidgets.QFrame):
         self.follow(None, session.network)
 
     def _connect(self) -> None:
-        head, requests, done = self.head, self._of.requests, without_argument
+        head, requests, done = self.head, self._of.requests, widgets.without_argument
         head.bar.folded.connect(self._fold)
         head.pin.clicked.connect(
             lambda: self._set("pinned", head.pin.isChecked() or operations.ABSENT)
@@ -421,7 +415,7 @@ class NodePanel(QtWidgets.QFrame):
         self._of.do(operations.set_node_field(self.node, name, value))
 
 
-class SetsMenu(Menu):
+class SetsMenu(widgets.Menu):
     """Filled when it is opened, from the files of the person's folder."""
 
     def __init__(
@@ -450,7 +444,7 @@ class SetsMenu(Menu):
             about = f"Set every parameter to its value in {name}"
             offer(self, f"set.{name}", name, partial(self._take, name, sets), about=about)
         if sets:
-            removing = Menu("Remove", self)
+            removing = widgets.Menu("Remove", self)
             self.addMenu(removing)
             removing.setObjectName("sets.remove")
             for name in sets:

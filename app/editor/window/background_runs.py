@@ -5,20 +5,8 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from PySide6 import QtWidgets
 from PySide6.QtCore import QObject, Qt, Signal
-from PySide6.QtWidgets import (
-    QComboBox,
-    QDialog,
-    QDialogButtonBox,
-    QFileDialog,
-    QFormLayout,
-    QHBoxLayout,
-    QLineEdit,
-    QMainWindow,
-    QSpinBox,
-    QVBoxLayout,
-    QWidget,
-)
 
 from app.editor import messages
 from app.editor.declared_text import label_of
@@ -44,7 +32,9 @@ Next = Callable[[], object]
 class BackgroundRuns(QObject):
     """What goes on beside the window. `finish_typing` takes what is being typed."""
 
-    def __init__(self, session: Session, window: QMainWindow, finish_typing: Next) -> None:
+    def __init__(
+        self, session: Session, window: QtWidgets.QMainWindow, finish_typing: Next
+    ) -> None:
         super().__init__(window)
         self._session = session
         self._window = window
@@ -142,22 +132,26 @@ FORM = "FROM:TO:COUNT, FROM:TO:COUNT:log (logarithmic), or a list a,b,c"
 _USUAL_COUNT, _USUAL_FRAMES = 5, 16
 
 
-class AddRun(QDialog):
+class AddRun(QtWidgets.QDialog):
     """What to run, over what, and where to; a fault is said below, with its field in focus."""
 
     about_to_add = Signal()  # what is being typed elsewhere is to be taken now
     added = Signal(str, object)  # (title, job): the person has added a run
 
-    def __init__(self, session: Session, taken: Callable[[], set[Path]], parent: QWidget) -> None:
+    def __init__(
+        self, session: Session, taken: Callable[[], set[Path]], parent: QtWidgets.QWidget
+    ) -> None:
         super().__init__(parent, objectName="add_run", windowTitle="Add a run")
         self._session = session
         self._taken = taken
         self._varied = Varied(session, lambda _why: None)
         self._proposed = ""
         self._files: tuple[str, ...] = ()
-        self._rows: dict[QWidget, Kind | None] = {}
-        self._form = QFormLayout()
-        self._form.setFieldGrowthPolicy(QFormLayout.FieldGrowthPolicy.AllNonFixedFieldsGrow)
+        self._rows: dict[QtWidgets.QWidget, Kind | None] = {}
+        self._form = QtWidgets.QFormLayout()
+        self._form.setFieldGrowthPolicy(
+            QtWidgets.QFormLayout.FieldGrowthPolicy.AllNonFixedFieldsGrow
+        )
         self._build()
         self._choose_kind()
 
@@ -166,17 +160,17 @@ class AddRun(QDialog):
         return KINDS[self.kinds.currentIndex()][0]
 
     def _build(self) -> None:
-        self.kinds: QComboBox = self._row("kind", "&Run", QComboBox(self))
+        self.kinds: QtWidgets.QComboBox = self._row("kind", "&Run", QtWidgets.QComboBox(self))
         self.kinds.addItems([text for _, text in KINDS])
         choice = ParameterChoice(self._session, self)
         self.parameter = self._row("parameter", "&Parameter", choice, "sweep")
-        line = QLineEdit(self, placeholderText=FORM)
-        self.values: QLineEdit = self._row("values", "&Values", line, "sweep")
+        line = QtWidgets.QLineEdit(self, placeholderText=FORM)
+        self.values: QtWidgets.QLineEdit = self._row("values", "&Values", line, "sweep")
         self.pictures = Check("also write a picture for each value", self)
         self._row("pictures", "", self.pictures, "sweep").setChecked(True)
-        frames = QSpinBox(self, minimum=1, maximum=MOST_FRAMES, value=_USUAL_FRAMES)
+        frames = QtWidgets.QSpinBox(self, minimum=1, maximum=MOST_FRAMES, value=_USUAL_FRAMES)
         self.frames = self._row("frames", "&Number of frames", frames, "frames")
-        self.reader = self._row("reader", "Read &by", QComboBox(self), "files")
+        self.reader = self._row("reader", "Read &by", QtWidgets.QComboBox(self), "files")
         self._fill_readers()
         self.files, choose = self._browsed("files", "Pictur&es", "Choose pictures", "files")
         self.files.setReadOnly(True)
@@ -185,12 +179,14 @@ class AddRun(QDialog):
             "report", "", Check("also write a report (HTML) for each run", self)
         )
         self.error = plain_label("add_run.error", self, role=ERROR)
-        buttons = QDialogButtonBox(self)
-        add = buttons.addButton("&Add to Queue", QDialogButtonBox.ButtonRole.AcceptRole)
+        buttons = QtWidgets.QDialogButtonBox(self)
+        add = buttons.addButton("&Add to Queue", QtWidgets.QDialogButtonBox.ButtonRole.AcceptRole)
         add.setObjectName("add_run.add")
         add.setDefault(True)
-        buttons.addButton(QDialogButtonBox.StandardButton.Cancel).setObjectName("add_run.cancel")
-        filled(QVBoxLayout(self), self._form, self.error, None, buttons, margins=None)
+        buttons.addButton(QtWidgets.QDialogButtonBox.StandardButton.Cancel).setObjectName(
+            "add_run.cancel"
+        )
+        filled(QtWidgets.QVBoxLayout(self), self._form, self.error, None, buttons, margins=None)
         self.setMinimumWidth(92 * self.fontMetrics().averageCharWidth())
         self.kinds.currentIndexChanged.connect(self._choose_kind)
         self.parameter.chosen.connect(self._chosen)
@@ -208,9 +204,9 @@ class AddRun(QDialog):
 
     def _browsed(self, name: str, label: str, about: str, kind: Kind | None = None) -> Any:
         """A row whose field has a button beside it that opens a dialog; both of them."""
-        line, box = QLineEdit(self), QWidget(self)
+        line, box = QtWidgets.QLineEdit(self), QtWidgets.QWidget(self)
         button = tool_button(f"add_run.{name}.browse", "Browse…", about, self)
-        filled(QHBoxLayout(box), (line, 1), button)
+        filled(QtWidgets.QHBoxLayout(box), (line, 1), button)
         box.setFocusProxy(line)
         self._row(f"{name}.box", label, box, kind)
         return labelled(line, f"add_run.{name}", label.replace("&", "")), button
@@ -256,8 +252,8 @@ class AddRun(QDialog):
         dialog = labelled(
             messages.FileDialog(self, "Choose the output folder", folder), "add_run.dialog"
         )
-        dialog.setFileMode(QFileDialog.FileMode.Directory)
-        dialog.setOption(QFileDialog.Option.ShowDirsOnly)
+        dialog.setFileMode(QtWidgets.QFileDialog.FileMode.Directory)
+        dialog.setOption(QtWidgets.QFileDialog.Option.ShowDirsOnly)
         dialog.fileSelected.connect(self.folder.setText)
         messages.show_beside(self, dialog)
 
@@ -272,7 +268,7 @@ class AddRun(QDialog):
     def _add(self) -> None:
         self.about_to_add.emit()
         self._say("")
-        field: QWidget = self.folder
+        field: QtWidgets.QWidget = self.folder
         try:
             output = self._output()
             fields = {"sweep": self.values, "frames": self.frames, "files": self.files}
@@ -331,7 +327,7 @@ class AddRun(QDialog):
         check_folder(folder)
         return folder
 
-    def _say(self, text: str, field: QWidget | None = None) -> None:
+    def _say(self, text: str, field: QtWidgets.QWidget | None = None) -> None:
         show_or_hide(self.error, text)
         if field is not None:
             field.setAccessibleDescription(text)

@@ -10,18 +10,10 @@ from PySide6.QtCore import QEvent, QObject, QPointF, QTimer, Signal
 from PySide6.QtGui import QDropEvent
 from PySide6.QtWidgets import QWidget
 
+from app.editor import messages
 from app.editor.canvas.canvas import Canvas
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.library_view import LibraryView
-from app.editor.messages import (
-    ROLE,
-    FileDialog,
-    Question,
-    SaveDialog,
-    drop_dialogs,
-    show_beside,
-    told,
-)
 from app.editor.session import Level, Session
 from app.editor.widgets import accept_copy, labelled, local_files
 from app.editor.window.recent_files import Settings
@@ -70,7 +62,7 @@ class Files(QObject):
         self._settings = settings
         self._window = window
         self._next: Next | None = None
-        self._question: Question | None = None
+        self._question: messages.Question | None = None
 
     def new(self, *_: object) -> None:
         empty = Document(Network(), library=self._session.library)
@@ -79,23 +71,27 @@ class Files(QObject):
     def open_dialog(self) -> None:
         path = self._session.document.path
         folder = str(path.parent if path else Path.cwd())
-        dialog = labelled(FileDialog(self._window, "Open a network", folder, _FILTER), _DIALOG)
-        dialog.setFileMode(FileDialog.FileMode.ExistingFile)
+        dialog = labelled(
+            messages.FileDialog(self._window, "Open a network", folder, _FILTER), _DIALOG
+        )
+        dialog.setFileMode(messages.FileDialog.FileMode.ExistingFile)
         dialog.fileSelected.connect(self.open)
-        show_beside(self._window, dialog)
+        messages.show_beside(self._window, dialog)
 
     def open(self, text: str) -> None:
         self.after_asking(lambda: self.open_now(text))
 
     def open_now(self, text: str) -> bool:
         """Open a network in place of the present one; whether that worked."""
-        with told(self._session.message.emit, "not opened: "):
+        with messages.told(self._session.message.emit, "not opened: "):
             self.show(*open_named(text, library=self._session.library))
             return True
         return False
 
     def show(self, document: Document, remark: str = "") -> None:
-        drop_dialogs(self._window, _DIALOG)  # it names a file for the document that is closed
+        messages.drop_dialogs(
+            self._window, _DIALOG
+        )  # it names a file for the document that is closed
         if document.path is not None:
             self._settings.add_recent(document.path)
         self._session.open(document)
@@ -116,11 +112,11 @@ class Files(QObject):
         self.about_to_save.emit()
         path, title = self._session.document.path, "Save the network"
         taken, folder = partial(self.save_to, following=following), path and path.parent
-        dialog = SaveDialog(
+        dialog = messages.SaveDialog(
             self._window, _DIALOG, title, _FILTER, taken, suffix="json", folder=folder
         )
         dialog.selectFile(str(path) if path else f"{self._session.stem}{NETWORK_SUFFIX}")
-        show_beside(self._window, dialog)
+        messages.show_beside(self._window, dialog)
 
     def save_to(self, path: Path, following: Next | None = None, *, over: bool = False) -> None:
         """Save, then go on; file names in the network keep pointing at the same files.
@@ -166,7 +162,7 @@ class Files(QObject):
             self._question.raise_()
             self._question.activateWindow()
 
-    def _ask(self, question: Question) -> None:
+    def _ask(self, question: messages.Question) -> None:
         self._question = question
         question.finished.connect(self._answered)
         question.open()
@@ -191,29 +187,29 @@ class Files(QObject):
 # The questions before work is lost. Each blocks the window until it is answered.
 
 
-def save_changes(parent: QWidget, network: str) -> Question:
+def save_changes(parent: QWidget, network: str) -> messages.Question:
     text, more = (
         f"Save the changes to {network or 'this network'}?",
         "Unsaved changes will be lost.",
     )
-    box = Question(parent, "save_changes", "Save changes?", text, more)
-    box.offer("save", "&Save", ROLE.AcceptRole)
-    box.offer("discard", "&Discard", ROLE.DestructiveRole)
-    box.offer("cancel", "Cancel", ROLE.RejectRole)
+    box = messages.Question(parent, "save_changes", "Save changes?", text, more)
+    box.offer("save", "&Save", messages.ROLE.AcceptRole)
+    box.offer("discard", "&Discard", messages.ROLE.DestructiveRole)
+    box.offer("cancel", "Cancel", messages.ROLE.RejectRole)
     return box
 
 
-def changed_file(parent: QWidget, file: str, done: str) -> Question:
+def changed_file(parent: QWidget, file: str, done: str) -> messages.Question:
     text = f"Another program has {done} {file} since you opened or saved it here."
     more = "Overwrite discards the other program's changes; Reload discards yours."
     if done == "removed":
         more = "Overwrite saves the file again."
-    box = Question(parent, "changed_file", "Overwrite it?", text, more)
-    box.offer("save_as", "Save &As…", ROLE.AcceptRole)
+    box = messages.Question(parent, "changed_file", "Overwrite it?", text, more)
+    box.offer("save_as", "Save &As…", messages.ROLE.AcceptRole)
     if done != "removed":
-        box.offer("reload", "&Reload", ROLE.DestructiveRole)
-    box.offer("overwrite", "&Overwrite", ROLE.DestructiveRole)
-    box.offer("cancel", "Cancel", ROLE.RejectRole)
+        box.offer("reload", "&Reload", messages.ROLE.DestructiveRole)
+    box.offer("overwrite", "&Overwrite", messages.ROLE.DestructiveRole)
+    box.offer("cancel", "Cancel", messages.ROLE.RejectRole)
     return box
 
 
@@ -332,7 +328,7 @@ class Drops(QObject):
             return False
         plan = Engine(library).plan(expanded(network, library), folder=level.folder)
         scene, stored = OwnScene(path, hints=False), self._stored(path)
-        with told(level.message.emit):
+        with messages.told(level.message.emit):
             new = with_own_scene(
                 network, scene, library=library, plan=plan, node=name, stored=stored
             )
@@ -401,7 +397,7 @@ class PresetShelf(QObject):
     def save(self) -> None:
         level = self._level
         for name in level.selection[-1:]:
-            with told(level.message.emit, "not saved as a preset: "):
+            with messages.told(level.message.emit, "not saved as a preset: "):
                 node = level.network.nodes[name]
                 values = {one: level.value(name, one) for one in node.linked}
                 alone = Network(nodes={name: replace(node, params={**node.params, **values})})
@@ -414,7 +410,7 @@ class PresetShelf(QObject):
         level, preset = self._level, preset_of(key, self.presets)
         if preset is None:
             return False
-        with told(level.message.emit):
+        with messages.told(level.message.emit):
             name, operation = placed(preset, level.network, level.library, at, level.folder)
             if level.do(operation):
                 level.select([name])

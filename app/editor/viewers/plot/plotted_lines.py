@@ -11,14 +11,7 @@ from numpy.typing import NDArray
 
 from app.editor.declared_text import error_text
 from app.editor.evaluation.queries import Passing, Query
-from app.run.transfer_chain import (
-    HOW_TO_MARK,
-    Chain,
-    StageResponse,
-    find_chain,
-    responses_along,
-    sound_part,
-)
+from app.run import transfer_chain
 from core.chain.engine import Plan
 from core.chain.wires import Curve, CurveData, CurveMark, Table, TableData
 from core.errors import NetworkError
@@ -155,7 +148,7 @@ def _drawn_of(curves: Curves) -> Curves:
     if len(stages) <= _MANY:
         return curves
 
-    def change(stage: StageResponse) -> float:
+    def change(stage: transfer_chain.StageResponse) -> float:
         return float(max(np.abs(stage.x.mtf - 1).max(), np.abs(stage.x.ptf).max()))
 
     few = {stage.name for stage in sorted(stages, key=change, reverse=True)[:_FEW]}
@@ -289,7 +282,7 @@ Kind = Literal["stage", "beside", "total"]
 FINEST = 1025  # points of a curve
 
 
-Curves = tuple[tuple[Kind, StageResponse], ...]
+Curves = tuple[tuple[Kind, transfer_chain.StageResponse], ...]
 """Along a line; whether each leads to the final picture, stands beside, or is a product."""
 
 
@@ -319,8 +312,8 @@ class CurvesQuery(Query):
     angle_deg: float = 0.0  # direction of the line: 0 across, 90 along
 
     def key(self, plan: Plan) -> Hashable:
-        sound = sound_part(plan)
-        chain = find_chain(sound)
+        sound = transfer_chain.sound_part(plan)
+        chain = transfer_chain.find_chain(sound)
         stages = tuple(
             (stage.node, stage.title, tuple((f.key, f.node) for f in stage.factors))
             for stage in (*chain.stages, *chain.later, *chain.beside)
@@ -329,15 +322,15 @@ class CurvesQuery(Query):
         return self, chain.grid, chain.combined, parts, stages, _trouble(plan, ())
 
     def answer(self, passing: Passing) -> TransferCurves:
-        chain = find_chain(sound_part(passing.plan))
+        chain = transfer_chain.find_chain(transfer_chain.sound_part(passing.plan))
         grid = chain.grid
         if grid is None:
             trouble = _trouble(passing.plan, ())
             missing = _missing(chain)
             return TransferCurves(self.angle_deg, np.zeros(0), (), (), trouble, missing)
         samples = min(FINEST, max(grid.rows, grid.columns) // 2 + 1)
-        responses = responses_along(chain, passing.work, self.angle_deg, samples)
-        kinds: tuple[tuple[Kind, tuple[StageResponse, ...]], ...] = (
+        responses = transfer_chain.responses_along(chain, passing.work, self.angle_deg, samples)
+        kinds: tuple[tuple[Kind, tuple[transfer_chain.StageResponse, ...]], ...] = (
             ("stage", responses.stages), ("beside", responses.beside), ("total", responses.products)
         )  # fmt: skip
         curves = tuple((kind, stage) for kind, stages in kinds for stage in stages)
@@ -373,7 +366,7 @@ class PortDataQuery(Query):
 _ALIKE = 0.99  # of one another, where one mark is enough
 
 
-def _marks(chain: Chain, grid: Grid, line: Direction) -> tuple[CurveMark, ...]:
+def _marks(chain: transfer_chain.Chain, grid: Grid, line: Direction) -> tuple[CurveMark, ...]:
     nyquist = line.end(grid.nyquist_x, grid.nyquist_y)
     pixels = line.end(*(math.inf if end is None else end for end in chain.pixel_nyquist))
     marks = [CurveMark("Nyquist", nyquist)]
@@ -399,8 +392,8 @@ def _cutoff_along(line: Direction) -> Any:
     return cutoff
 
 
-def _missing(chain: Chain) -> str:
-    return f"{chain.missing}; {HOW_TO_MARK}" if chain.choices else chain.missing
+def _missing(chain: transfer_chain.Chain) -> str:
+    return f"{chain.missing}; {transfer_chain.HOW_TO_MARK}" if chain.choices else chain.missing
 
 
 def _trouble(plan: Plan, further: tuple[str, ...]) -> str:
