@@ -3,9 +3,8 @@
 from collections.abc import Iterable, Mapping, Sequence
 from types import MappingProxyType
 
-from PySide6 import QtWidgets
+from PySide6 import QtGui, QtWidgets
 from PySide6.QtCore import QEvent, QMimeData, QModelIndex, QObject, Qt, Signal
-from PySide6.QtGui import QColor, QIcon, QKeyEvent, QPixmap
 
 from app.editor.declared_text import label_of, shown_value, tip
 from app.editor.theme import theme_of
@@ -161,9 +160,9 @@ class LibraryView(QtWidgets.QWidget):
     def _colour_groups(self) -> None:
         theme, side = theme_of(self), self.fontMetrics().height() // 2
         for name, item in self.tree.groups.items():
-            mark = QPixmap(side, side)
-            mark.fill(QColor(theme.groups.get(name, theme.line)))
-            item.setIcon(0, QIcon(mark))
+            mark = QtGui.QPixmap(side, side)
+            mark.fill(QtGui.QColor(theme.groups.get(name, theme.line)))
+            item.setIcon(0, QtGui.QIcon(mark))
 
     def show_presets(self, presets: Sequence[Preset]) -> None:
         self.tree.show_presets(presets, self._library)
@@ -174,7 +173,7 @@ class LibraryView(QtWidgets.QWidget):
         """From the field, the arrows lead to the modules."""
         if (
             watched is self.filter
-            and isinstance(event, QKeyEvent)
+            and isinstance(event, QtGui.QKeyEvent)
             and event.type() == QEvent.Type.KeyPress
             and event.key() in (Qt.Key.Key_Down, Qt.Key.Key_Up)
         ):

@@ -20,10 +20,8 @@ from app.editor.canvas.content import (
 from app.editor.canvas.node_item import SMALLEST, BackdropItem, NodePort
 from app.editor.canvas.placing import Surface, insertion_at, whole, with_way_made
 from app.editor.canvas.wires import WireItem
-from core.editing import backdrops
-from core.editing.backdrops import Backdrop
+from core.editing import backdrops, wiring
 from core.editing.operations import Operation, rewire, together
-from core.editing.wiring import refusal
 from core.network.network import Link, Network
 from core.records import replace
 
@@ -325,7 +323,7 @@ class _WireDrag:
         if port.side == self._fixed.side:
             return f"a wire connects an output to an input; {port.name} is another {port.side}"
         link = link_between(self._fixed, port)
-        return refusal(self._network, self._surface.session.library, link)
+        return wiring.refusal(self._network, self._surface.session.library, link)
 
 
 def link_between(one: NodePort, other: NodePort) -> Link:
@@ -421,7 +419,7 @@ def moved(network: Network, places: Mapping[str, QPointF]) -> Operation:
     return backdrops.moved_with_dots(network, {name: whole(at) for name, at in places.items()})
 
 
-def backdrop_at(backdrop: Backdrop, frame: QRectF) -> Backdrop:
+def backdrop_at(backdrop: backdrops.Backdrop, frame: QRectF) -> backdrops.Backdrop:
     x, y = whole(frame.topLeft())
     size = frame.size().expandedTo(SMALLEST)
     width, height = float(round(size.width())), float(round(size.height()))

@@ -15,8 +15,7 @@ from app.editor.library_view import dragged_module
 from app.editor.session import Level
 from app.editor.widgets import local_files
 from app.run.preset_files import KEY
-from core.editing import wiring
-from core.editing.backdrops import following
+from core.editing import backdrops, wiring
 from core.editing.layout import GAP_X, Point, free_places, made_way
 from core.editing.operations import Operation, move_nodes, together
 from core.modules.declaration import declaration
@@ -133,7 +132,7 @@ def with_way_made(
     pushed = {node: whole(QPointF(*at)) for node, at in places.items()}
     if not pushed:
         return operation
-    grounds = following(network, pushed, sizes)  # else what is pushed leaves its backdrop
+    grounds = backdrops.following(network, pushed, sizes)  # else what is pushed leaves its backdrop
     parts = (operation, move_nodes(pushed), *(() if grounds is None else (grounds,)))
     return together(parts, operation.text)
 

@@ -9,9 +9,8 @@ from collections.abc import Callable
 from math import floor, log10
 from typing import TYPE_CHECKING, Any
 
-from PySide6 import QtWidgets
+from PySide6 import QtGui, QtWidgets
 from PySide6.QtCore import QSignalBlocker, Qt, Signal
-from PySide6.QtGui import QKeyEvent
 
 from app.editor.declared_text import FreeNumber, about, label_of, shown_number, tip, typed_number
 from app.editor.docks import measure_view
@@ -360,7 +359,7 @@ class FreeTable(CopiedTable):
         if 0 <= self.currentRow() < len(free):
             self._session.free.fix(*free[self.currentRow()].place)
 
-    def keyPressEvent(self, event: QKeyEvent) -> None:
+    def keyPressEvent(self, event: QtGui.QKeyEvent) -> None:
         if event.key() in (Qt.Key.Key_Delete, Qt.Key.Key_Backspace) and not event.modifiers():
             self.remove_marked()
         else:

@@ -6,9 +6,8 @@ from functools import partial
 from pathlib import Path
 from typing import Any, ClassVar
 
-from PySide6 import QtWidgets
+from PySide6 import QtGui, QtWidgets
 from PySide6.QtCore import QObject, QSignalBlocker, QSize, Qt, QTimer, Signal
-from PySide6.QtGui import QKeyEvent, QShowEvent
 
 from app.editor.declared_text import error_text, label_of
 from app.editor.docks.tradeoff_view import SideWork
@@ -326,7 +325,7 @@ class SnapshotsView(Viewer):
         self._now = None
         self._follow_snapshots()
 
-    def showEvent(self, event: QShowEvent) -> None:
+    def showEvent(self, event: QtGui.QShowEvent) -> None:
         super().showEvent(event)
         self._follow_snapshots()
 
@@ -422,7 +421,7 @@ class SnapshotList(QtWidgets.QTreeWidget):
                 if state is chosen:
                     self.setCurrentItem(item)
 
-    def keyPressEvent(self, event: QKeyEvent) -> None:
+    def keyPressEvent(self, event: QtGui.QKeyEvent) -> None:
         item, key = self.currentItem(), event.key()
         if item is None or self.state() is QtWidgets.QAbstractItemView.State.EditingState:
             super().keyPressEvent(event)
@@ -462,7 +461,7 @@ class HistoryList(QtWidgets.QListWidget):
         session.opened.connect(self._follow)
         session.state_changed.connect(self._follow)
 
-    def showEvent(self, event: QShowEvent) -> None:
+    def showEvent(self, event: QtGui.QShowEvent) -> None:
         super().showEvent(event)
         self._follow()
 

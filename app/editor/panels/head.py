@@ -13,7 +13,6 @@ from app.editor.evaluation.queries import Badge
 from app.editor.panels.fields.type_in import TypeIn
 from app.editor.panels.preview_view import PreviewView
 from app.editor.theme import ERROR, FAINT, set_ground, set_ink, theme_of
-from app.editor.widgets import without_argument
 from core.network.network import Node
 
 _SHARE = 0.45  # of the panels' height, for an illustration at most
@@ -78,7 +77,7 @@ class TitleBar(QWidget):
         """Have an entry in the menu of the right button, or of the menu key."""
         action = QAction(text, self)
         action.setObjectName(name)
-        action.triggered.connect(partial(without_argument, act))
+        action.triggered.connect(partial(widgets.without_argument, act))
         self.addAction(action)
 
     def _fold(self, on: bool) -> None:

@@ -38,7 +38,6 @@ from app.editor.panels.fields.field_menu import offer
 from app.editor.panels.fields.number import NumberField, PathField
 from app.editor.theme import CHANGED, FAINT, TEXT, set_ink, theme_of
 from app.editor.viewers.viewer import PLOT_TYPES, VIEWER_NUMBERS, Viewer
-from app.editor.widgets import without_argument
 from core.chain.engine import Plan
 from core.editing.operations import ABSENT
 from core.errors import shown, thaw
@@ -123,7 +122,7 @@ class PortsView(QWidget):
         place = side, port.name
         about = f"view {side} {port.name}"
         button = widgets.tool_button(f"view.{side}.{port.name}", "View", about, self)
-        button.clicked.connect(partial(without_argument, partial(self._view, place, 1)))
+        button.clicked.connect(partial(widgets.without_argument, partial(self._view, place, 1)))
         if set(port.types) <= set(PLOT_TYPES):
             button.setToolTip(tip("Show this port in Curves"))
         else:

@@ -11,11 +11,9 @@ from PySide6 import QtWidgets
 from PySide6.QtCore import QSize, Qt, Signal
 from PySide6.QtGui import QAction, QFocusEvent, QResizeEvent
 
-from app.editor import widgets
-from app.editor.declared_text import tip
+from app.editor import declared_text, messages, theme, widgets
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.queries import Badge
-from app.editor.messages import told
 from app.editor.panels.fields.field import PanelNode, Requests, copy_values, paste_values
 from app.editor.panels.fields.field_menu import line_in_menu, offer
 from app.editor.panels.fields.type_in import TypeIn, discard_typing
@@ -23,7 +21,6 @@ from app.editor.panels.head import PanelHead, TitleBar
 from app.editor.panels.module_body import ModuleBody, UnknownBody
 from app.editor.panels.preview_view import PreviewView, preview_query
 from app.editor.session import Session, followed_name, renamed_node
-from app.editor.theme import ERROR, FAINT, RAISED
 from app.run.preset_files import Sets, given, remove_set, save_set, sets_of
 from core.editing import operations
 from core.errors import ImagechainError, ParameterError
@@ -191,7 +188,7 @@ class NetworkPanel(QtWidgets.QFrame):
         self.setFrameShape(QtWidgets.QFrame.Shape.StyledPanel)
         self._session = session
         bar = TitleBar("Network", self)
-        bar.setBackgroundRole(RAISED)
+        bar.setBackgroundRole(theme.RAISED)
         bar.setAutoFillBackground(True)
         bar.fold.hide()
         below = QtWidgets.QWidget(self)
@@ -203,16 +200,16 @@ class NetworkPanel(QtWidgets.QFrame):
         self.description.committed.connect(partial(self._set, "description"))
         self.seed = widgets.labelled(TypeIn(below), "network_seed", "seed of the network's noise")
         about = f"The seed is {SEEDS}. The same seed gives the same noise"
-        self.seed.setToolTip(tip(about))
+        self.seed.setToolTip(declared_text.tip(about))
         self.seed.setAccessibleDescription(about)
         self.seed.committed.connect(self._set_seed)
         for edit in (self.name, self.seed):
             edit.given_up.connect(self._restore)
-        self.seed_problem = widgets.plain_label("seed_problem", below, role=ERROR)
+        self.seed_problem = widgets.plain_label("seed_problem", below, role=theme.ERROR)
         self.seed_problem.hide()
         self.count = widgets.plain_label("network_count", below)
         text = "Select a node to see its control panel here."
-        hint = widgets.plain_label("network_hint", below, text, role=FAINT)
+        hint = widgets.plain_label("network_hint", below, text, role=theme.FAINT)
         form = QtWidgets.QFormLayout(
             fieldGrowthPolicy=QtWidgets.QFormLayout.FieldGrowthPolicy.AllNonFixedFieldsGrow
         )
@@ -438,7 +435,7 @@ class SetsMenu(widgets.Menu):
         if node is None:
             return
         sets: Sets = {}
-        with told(self._session.message.emit):
+        with messages.told(self._session.message.emit):
             sets = sets_of(node.module, self._folder)
         for name in sets:
             about = f"Set every parameter to its value in {name}"
@@ -460,7 +457,7 @@ class SetsMenu(widgets.Menu):
     def _keep(self, edit: QtWidgets.QLineEdit) -> None:
         name = edit.text().strip()
         self.close()
-        with told(self._session.message.emit, "not saved: "):
+        with messages.told(self._session.message.emit, "not saved: "):
             save_set(name, self._session.valued(self._name), self._folder)
             self._session.message.emit("note", f"saved the parameters of {self._name} as {name}")
 
@@ -468,9 +465,9 @@ class SetsMenu(widgets.Menu):
         session = self._session
         declared, node = session.declared(self._name), session.network.nodes.get(self._name)
         if declared is not None and node is not None:
-            with told(session.message.emit):
+            with messages.told(session.message.emit):
                 session.do(given(name, sets[name], node, declared, self._name))
 
     def _remove(self, name: str) -> None:
-        with told(self._session.message.emit):
+        with messages.told(self._session.message.emit):
             remove_set(name, self._session.network.nodes[self._name].module, self._folder)

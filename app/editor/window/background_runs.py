@@ -8,12 +8,11 @@ from typing import Any
 from PySide6 import QtWidgets
 from PySide6.QtCore import QObject, Qt, Signal
 
-from app.editor import messages
+from app.editor import messages, theme
 from app.editor.declared_text import label_of
 from app.editor.docks.runs import RunQueue, RunsView, failures_text, job_of, proposed_folder
 from app.editor.docks.tradeoff_plots import ParameterChoice, Varied, typed_values, usual_span
 from app.editor.session import Session
-from app.editor.theme import ERROR
 from app.editor.widgets import Check, filled, labelled, plain_label, show_or_hide, tool_button
 from app.editor.window.viewer_docks import add_dock, bring_forward
 from app.run.job import Kind
@@ -178,7 +177,7 @@ class AddRun(QtWidgets.QDialog):
         self.report = self._row(
             "report", "", Check("also write a report (HTML) for each run", self)
         )
-        self.error = plain_label("add_run.error", self, role=ERROR)
+        self.error = plain_label("add_run.error", self, role=theme.ERROR)
         buttons = QtWidgets.QDialogButtonBox(self)
         add = buttons.addButton("&Add to Queue", QtWidgets.QDialogButtonBox.ButtonRole.AcceptRole)
         add.setObjectName("add_run.add")

@@ -10,12 +10,11 @@ from PySide6.QtCore import QEvent, QObject, QPointF, QTimer, Signal
 from PySide6.QtGui import QDropEvent
 from PySide6.QtWidgets import QWidget
 
-from app.editor import messages
+from app.editor import messages, widgets
 from app.editor.canvas.canvas import Canvas
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.library_view import LibraryView
 from app.editor.session import Level, Session
-from app.editor.widgets import accept_copy, labelled, local_files
 from app.editor.window.recent_files import Settings
 from app.run.own_scene import OwnScene, scene_nodes, with_own_scene
 from app.run.preset_files import (
@@ -71,7 +70,7 @@ class Files(QObject):
     def open_dialog(self) -> None:
         path = self._session.document.path
         folder = str(path.parent if path else Path.cwd())
-        dialog = labelled(
+        dialog = widgets.labelled(
             messages.FileDialog(self._window, "Open a network", folder, _FILTER), _DIALOG
         )
         dialog.setFileMode(messages.FileDialog.FileMode.ExistingFile)
@@ -289,9 +288,9 @@ class Drops(QObject):
         """Take files dropped on a part of the window that has no use for them itself."""
         if not isinstance(event, QDropEvent) or event.type() not in _DRAGGING:
             return False
-        paths = local_files(event.mimeData())
+        paths = widgets.local_files(event.mimeData())
         if paths:
-            accept_copy(event)
+            widgets.accept_copy(event)
             if event.type() == QEvent.Type.Drop:
                 self._add(paths, QPointF(*self._canvas.surface.cursor_point()))
         return bool(paths)

@@ -3,17 +3,15 @@
 from functools import partial
 from pathlib import Path
 
-from PySide6 import QtWidgets
+from PySide6 import QtGui, QtWidgets
 from PySide6.QtCore import QObject, QProcess, Qt, QUrl
-from PySide6.QtGui import QDesktopServices, QKeySequence
 
 from app.editor.docks.runs import python_environment
 from app.editor.docks.tradeoff_view import TradeOffView
 from app.editor.messages import SaveDialog, show_beside, told
 from app.editor.session import Session
 from app.editor.viewers.picture.image_viewer import ImageViewer
-from app.editor.viewers.plot import plot_export
-from app.editor.viewers.plot.plot_viewer import PlotViewer
+from app.editor.viewers.plot import plot_export, plot_viewer
 from app.editor.widgets import CopiedTable, filled, labelled, search_field
 from app.editor.window.actions import ACTIONS, Actions
 from app.editor.window.viewer_docks import ViewerDocks
@@ -22,7 +20,7 @@ from core.errors import in_line
 from nodes.files.file_format import CSV, dialog_filter
 from nodes.files.formats import WRITTEN
 
-Exported = ImageViewer | PlotViewer | TradeOffView
+Exported = ImageViewer | plot_viewer.PlotViewer | TradeOffView
 _MACROS = "network_files"  # the handbook's page on them
 _CLOSING_MS = 3_000
 _PICTURES = ";;".join(
@@ -75,7 +73,7 @@ class Help(QObject):
         if code or not printed:
             reason = in_line(errors.strip().removeprefix("imagechain: ")).partition("; --")[0]
             self._session.message.emit("error", f"the handbook could not be opened: {reason}")
-        elif QDesktopServices.openUrl(QUrl.fromLocalFile(printed)):
+        elif QtGui.QDesktopServices.openUrl(QUrl.fromLocalFile(printed)):
             self._session.message.emit("note", f"the handbook was opened in the browser: {printed}")
         else:
             self._session.message.emit("error", f"no browser could open {printed}")
@@ -170,7 +168,7 @@ class ShortcutList(QtWidgets.QDialog):
 
 def shortcuts_of(actions: Actions) -> list[tuple[str, str, str, str]]:
     """Menu, name, keys and tip of every action."""
-    native = QKeySequence.SequenceFormat.NativeText
+    native = QtGui.QKeySequence.SequenceFormat.NativeText
     rows = []
     for spec in ACTIONS:
         action = actions[spec.name]

@@ -8,8 +8,7 @@ import time
 from functools import partial
 from pathlib import Path
 
-from PySide6 import QtCore
-from PySide6.QtGui import QImage, QImageWriter
+from PySide6 import QtCore, QtGui
 from PySide6.QtWidgets import QApplication, QWidget
 
 from app.editor.qt_libraries import nothing_collected
@@ -200,11 +199,11 @@ def settle(window: MainWindow) -> None:
         time.sleep(0.02 if idle else 0.002)
 
 
-def _picture(window: MainWindow, size: tuple[int, int]) -> QImage:
+def _picture(window: MainWindow, size: tuple[int, int]) -> QtGui.QImage:
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "picture.png"
         window.viewers.images[1].save_as(file)
-        picture = QImage(str(file))
+        picture = QtGui.QImage(str(file))
     if picture.width() > size[0] or picture.height() > size[1]:
         smooth = QtCore.Qt.TransformationMode.SmoothTransformation
         picture = picture.scaled(
@@ -213,9 +212,9 @@ def _picture(window: MainWindow, size: tuple[int, int]) -> QImage:
     return picture
 
 
-def encoded(image: QImage) -> bytes:
+def encoded(image: QtGui.QImage) -> bytes:
     buffer = QtCore.QBuffer()
-    writer = QImageWriter(buffer, QtCore.QByteArray(b"PNG"))
+    writer = QtGui.QImageWriter(buffer, QtCore.QByteArray(b"PNG"))
     writer.setCompression(20)  # half the time of the usual one; files are no larger
     if not writer.write(image):
         raise FileError("the screenshot could not be encoded as PNG")

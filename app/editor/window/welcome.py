@@ -6,9 +6,8 @@ from datetime import datetime
 from functools import partial
 from pathlib import Path
 
-from PySide6 import QtWidgets
+from PySide6 import QtGui, QtWidgets
 from PySide6.QtCore import QEvent, QSize, QSizeF, Qt, Signal
-from PySide6.QtGui import QEnterEvent, QIcon, QShowEvent
 
 from app.editor.recovery_files import Recovered
 from app.editor.theme import FAINT
@@ -49,7 +48,7 @@ class WelcomePage(QtWidgets.QScrollArea):
         )
         self.setWidget(page)
 
-    def showEvent(self, event: QShowEvent) -> None:
+    def showEvent(self, event: QtGui.QShowEvent) -> None:
         """Read the example networks only if the page is ever shown."""
         super().showEvent(event)
         if self._gallery is not None:
@@ -150,7 +149,7 @@ class Card(QtWidgets.QPushButton):
         metrics = self.fontMetrics()
         if picture is not None:
             size = (_PICTURE * metrics.height() * larger).toSize()
-            shown.setPixmap(QIcon(str(picture)).pixmap(size, self.devicePixelRatioF()))
+            shown.setPixmap(QtGui.QIcon(str(picture)).pixmap(size, self.devicePixelRatioF()))
         shown.setVisible(picture is not None)
         self._parts = layout = filled(
             QtWidgets.QHBoxLayout(self), shown, (words, 1), margins=(6, 6, 6, 6), spacing=8
@@ -170,7 +169,7 @@ class Card(QtWidgets.QPushButton):
     def minimumSizeHint(self) -> QSize:
         return self._parts.minimumSize()
 
-    def enterEvent(self, event: QEnterEvent) -> None:
+    def enterEvent(self, event: QtGui.QEnterEvent) -> None:
         super().enterEvent(event)
         self.setFlat(False)
 

@@ -8,7 +8,7 @@ from PySide6 import QtWidgets
 from PySide6.QtCore import QObject, QPoint, Qt, QTimer, Signal
 from PySide6.QtGui import QContextMenuEvent, QFontMetrics, QGuiApplication, QWheelEvent
 
-from app.editor import widgets
+from app.editor import messages, widgets
 from app.editor.declared_text import (
     about,
     choice_text,
@@ -19,7 +19,6 @@ from app.editor.declared_text import (
     tip,
 )
 from app.editor.evaluation.evaluator import Evaluator
-from app.editor.messages import told
 from app.editor.panels.fields.field_menu import (
     add_fit_action,
     add_macro_actions,
@@ -489,7 +488,7 @@ def copy_values(session: Session, names: Sequence[str]) -> None:
 def paste_values(session: Session, names: Sequence[str]) -> None:
     """Give nodes the clipboard's values, as one step; what is left out is said in one line."""
     text = QGuiApplication.clipboard().text()
-    with told(session.message.emit, "no values were pasted: "):
+    with messages.told(session.message.emit, "no values were pasted: "):
         operation, left_out = pasted_values(text, names, session.declared)
         session.do(operation)
         text = f"pasted values into {named(names)}"

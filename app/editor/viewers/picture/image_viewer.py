@@ -16,10 +16,9 @@ from PySide6.QtWidgets import QApplication, QStackedWidget, QVBoxLayout, QWidget
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.queries import Answer, Query
 from app.editor.session import Session
-from app.editor.viewers.picture import picture_facts, picture_query, plots_below
+from app.editor.viewers.picture import picture_facts, picture_query, plots_below, region
 from app.editor.viewers.picture.picture_bar import BandBar, PictureBar, list_choices
 from app.editor.viewers.picture.picture_canvas import PictureCanvas, Sides
-from app.editor.viewers.picture.region import RegionTool
 from app.editor.viewers.plot.plot_export import columns_text, png_bytes
 from app.editor.viewers.viewer import PICTURE_TYPES, StatusLine, Viewer, ports_by_node
 from app.editor.widgets import Menu, centred_hint, filled, labelled
@@ -270,7 +269,7 @@ class ImageViewer(Viewer):
         self.band_bar = BandBar(self.owner, self)  # before the canvas in the order of Tab
         self.canvas = labelled(PictureCanvas(self), f"{self.owner}.canvas")
         self.status = StatusLine(self.owner, "What is shown", "Sample under the cursor", self)
-        self.region = RegionTool(self, self.canvas, self.bar.region)
+        self.region = region.RegionTool(self, self.canvas, self.bar.region)
         self._hint = centred_hint(HINT, self)
         self._pages = QStackedWidget(self)
         for page in (self._hint, self.canvas):

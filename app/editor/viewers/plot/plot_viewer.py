@@ -6,9 +6,8 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from PySide6 import QtWidgets
+from PySide6 import QtGui, QtWidgets
 from PySide6.QtCore import QPoint, QSignalBlocker, Qt
-from PySide6.QtGui import QAction, QResizeEvent
 
 from app.editor import widgets
 from app.editor.declared_text import shown_figure
@@ -200,7 +199,7 @@ class PlotViewer(viewer.Viewer):
         self.canvas.menu_wanted.connect(self._open_menu)
         self.list.toggled.connect(self._toggle)
 
-    def resizeEvent(self, event: QResizeEvent) -> None:
+    def resizeEvent(self, event: QtGui.QResizeEvent) -> None:
         super().resizeEvent(event)
         self._fit_list()
 
@@ -325,14 +324,14 @@ class FigureTable(widgets.CopiedTable):
         head = self.horizontalHeader()
         head.setSectionResizeMode(QtWidgets.QHeaderView.ResizeMode.ResizeToContents)
         head.setStretchLastSection(True)
-        copy = QAction("&Copy", self)
+        copy = QtGui.QAction("&Copy", self)
         copy.setObjectName("figures.copy")
         copy.triggered.connect(self.copy)
         self.addAction(copy)
         self.setContextMenuPolicy(Qt.ContextMenuPolicy.ActionsContextMenu)
         self._figures: tuple[TableRow, ...] = ()
 
-    def resizeEvent(self, event: QResizeEvent) -> None:
+    def resizeEvent(self, event: QtGui.QResizeEvent) -> None:
         """Leave the meaning to the name's tooltip where it would be a column of single words."""
         super().resizeEvent(event)
         narrow = self.width() < _NARROW * self.fontMetrics().averageCharWidth()

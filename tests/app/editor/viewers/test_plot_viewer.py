@@ -27,7 +27,7 @@ def curves(bench, angle=0.0, plan=None):
 
 
 def named(found):
-    return {curve.name: curve for curve in found.curves}
+    return {curve.name: curve.x for _, curve in found.curves}
 
 
 def test_an_edit_draws_only_what_it_changes(bench, viewer):
@@ -36,7 +36,7 @@ def test_an_edit_draws_only_what_it_changes(bench, viewer):
     axes = [id(plot.getAxis(name).picture) for name in ("left", "bottom")]
     bench.do(set_parameter("jitter", "sigma_mrad", 2 * SIGMA))
     assert viewer.canvas.plots[0] is plot
-    totals = {each.name for each in curves(bench).curves if each.kind == "total"}
+    totals = {each.name for kind, each in curves(bench).curves if kind == "total"}
     changed = {name for name, item in drawn.items() if id(item.xData) != before[name]}
     assert changed == {"jitter", *totals}
     x, y = drawn["jitter"].getData()
@@ -49,10 +49,10 @@ def test_draws_every_stage_and_the_totals_along_any_line(bench, viewer, qtbot):
     assert panel.y_label == "MTF"
     drawn = viewer.canvas.plots[0].drawn
     found = curves(bench)
-    for curve in found.curves:
+    for _, curve in found.curves:
         x, y = drawn[curve.name].getData()
         assert (x == found.frequency).all()
-        assert (y == curve.mtf).all()
+        assert (y == curve.x.mtf).all()
     texts = [viewer.list.item(row).text() for row in range(viewer.list.count())]
     assert texts[:2] == ["Total", "Total with electronics"]
     assert "2.64" in viewer.status.title.text()  # the cutoff, beyond Nyquist
@@ -130,9 +130,9 @@ def test_numbers_are_written_in_full(bench, viewer, tmp_path):
     found = curves(bench)
     columns = dict(zip(heads, zip(*rows, strict=True), strict=True))
     assert [float(cell) for cell in columns["frequency_cyc_per_mrad"]] == found.frequency.tolist()
-    for curve in found.curves:
-        assert [float(cell) for cell in columns[f"{curve.name}.mtf"]] == curve.mtf.tolist()
-        assert [float(cell) for cell in columns[f"{curve.name}.ptf_rad"]] == curve.ptf.tolist()
+    for _, curve in found.curves:
+        assert [float(cell) for cell in columns[f"{curve.name}.mtf"]] == curve.x.mtf.tolist()
+        assert [float(cell) for cell in columns[f"{curve.name}.ptf_rad"]] == curve.x.ptf.tolist()
 
 
 @pytest.mark.parametrize("angle", [0.0, 37.0])
@@ -152,13 +152,13 @@ def test_curves_are_those_of_the_laws(bench, angle):
     pole = 1 / (1 + 2j * math.pi * tau_v * f * cos)
     assert by_name["electronics"].mtf == pytest.approx(np.abs(pole), rel=1e-9)
     assert np.abs(by_name["electronics"].ptf) == pytest.approx(np.abs(np.angle(pole)), abs=1e-9)
-    product = np.prod([c.mtf for c in found.curves if c.name in bench_stages(found)], axis=0)
+    product = np.prod([c.x.mtf for _, c in found.curves if c.name in bench_stages(found)], axis=0)
     assert by_name["total"].mtf * by_name["electronics"].mtf == pytest.approx(product, abs=1e-12)
     assert by_name["total_with_electronics"].mtf == pytest.approx(product, abs=1e-12)
 
 
 def bench_stages(found):
-    return [curve.name for curve in found.curves if curve.kind == "stage"]
+    return [curve.name for kind, curve in found.curves if kind == "stage"]
 
 
 def test_marks(bench):

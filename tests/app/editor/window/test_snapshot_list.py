@@ -49,7 +49,7 @@ def test_snapshots_are_named_chosen_and_removed_in_their_list(person):
 
 def test_going_back_is_a_step_that_undo_takes_back(person):
     session, plot = person.window.session, person.window.viewers.plot
-    before = {curve.name: curve.mtf for curve in plot.data.curves}
+    before = {curve.name: curve.x.mtf for _, curve in plot.data.curves}
     kept = session.document.text()
     person.keep()
     person.blur(12.0)
