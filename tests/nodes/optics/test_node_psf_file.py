@@ -98,12 +98,17 @@ def test_micrometres_at_the_focal_plane_and_unequal_samples(tmp_path):
     np.testing.assert_array_equal(own, got)
 
 
-def test_zemax_listing_with_its_spacing(tmp_path):
+LENGTHS = {"µm": 1.0, "nm": 1e-3, "mm": 1e3, "millimeter": 1e3, "millimeters": 1e3}
+
+
+@pytest.mark.parametrize(("unit", "um"), LENGTHS.items())
+def test_zemax_listing_with_its_spacing(tmp_path, unit, um):
     rows = "\r\n".join("\t".join(f"{v: .4E}" for v in row) for row in COMET)
     text = (
         "Listing of FFT PSF Data\r\n\r\nFile : C:\\lens.ZMX\r\nTitle: \r\nDate : 1/1/2026\r\n\r\n"
         "Polychromatic FFT PSF\r\n3.7000 to 4.8000 µm at 0.0000, 0.0000 (deg).\r\n"
-        f"Data spacing is {INTERVAL_MRAD * FOCAL_LENGTH_MM:.3f} µm.\r\nData area is 45 µm wide.\r\n"
+        f"Data spacing is {INTERVAL_MRAD * FOCAL_LENGTH_MM / um:.9g} {unit}.\r\n"
+        "Data area is 45 µm wide.\r\n"
         "Strehl ratio: 0.9\r\nPupil grid size: 32 by 32\r\nImage grid size: 9 by 7\r\n"
         "Center point is: 5, 4\r\n\r\nValues are relative intensity.\r\n\r\n"
     )  # fmt: skip
