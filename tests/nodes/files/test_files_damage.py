@@ -13,7 +13,7 @@ import pytest
 from child_process import run_program
 from core.errors import FileError
 from core.machine import usable_bytes
-from nodes.files.formats import read_info, read_pixels
+from nodes.files.formats import read_info, read_pixels, write_picture
 from nodes.files.picture_info import PictureInfo, refuse_oversized
 from picture_samples import png, tiff, tiff_tag
 
@@ -161,6 +161,12 @@ def test_a_header_that_claims_more_than_the_file_can_hold_is_damaged(tmp_path):
     (tmp_path / "a.tif").write_bytes(claim)
     with pytest.raises(FileError, match="do not fit in a file of"):
         read_info(tmp_path / "a.tif")
+    write_picture(tmp_path / "a.exr", TRUTH)  # whose header tells the bits by a type
+    whole, window = (tmp_path / "a.exr").read_bytes(), struct.pack("<4i", 0, 0, 39, 47)
+    assert whole.count(window) == 2
+    (tmp_path / "a.exr").write_bytes(whole.replace(window, struct.pack("<4i", 0, 0, 39, 9**6)))
+    with pytest.raises(FileError, match="40 × 1 samples of 32 bits do not fit in a file of"):
+        read_info(tmp_path / "a.exr")
 
 
 def test_the_budget_is_of_the_memory_that_a_container_leaves(monkeypatch):
