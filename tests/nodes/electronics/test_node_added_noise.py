@@ -40,6 +40,8 @@ def test_modulation(tmp_path):
     y *= np.radians(1.5) * 1000 / 31
     envelope = 1 + 0.5 * np.sin(2 * np.pi * (0.02 * x + 0.05 * y) + np.pi / 4)
     np.testing.assert_allclose(noise, envelope * np.sin(2 * np.pi * 0.4 * x), atol=1e-12)
+    _, plain = outputs(tmp_path, "periodic_noise", {"amplitude": 1.0, "xi": 0.4})
+    np.testing.assert_allclose(plain, np.sin(2 * np.pi * 0.4 * x), atol=1e-12)
 
 
 def test_noise_file_is_added_with_its_scale(tmp_path):
