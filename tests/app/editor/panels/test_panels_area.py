@@ -337,6 +337,8 @@ def test_the_networks_own_panel(qtbot, session):
     assert not panel.seed_problem.isVisible()
     type_in(panel.seed, str(LARGEST_INTEGER))
     assert session.network.seed == LARGEST_INTEGER
+    session.undo()
+    assert panel.seed.text() == "1996"
     undo_to(session, 0)
     assert session.document.text() == before
     assert panel.name.text() == panel.description.toPlainText() == ""
