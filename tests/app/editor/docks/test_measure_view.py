@@ -2,12 +2,14 @@
 
 import json
 import math
+import re
 import threading
 import time
 
 import numpy as np
 import pytest
 from PySide6.QtCore import QPoint, QPointF, Qt
+from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 from scipy.ndimage import gaussian_filter
 from scipy.special import erf
@@ -104,6 +106,21 @@ def test_an_edge_is_clicked_removed_and_used_again(measured, qtbot):
     assert view.current == (second + 1) % len(view.measured.edges)
     click(qtbot, view, QPoint(3, 3))
     assert view.current == -1
+
+
+def test_the_mtf_under_the_mouse_is_told(measured):
+    """Of a Gaussian of σ samples it is exp(−2π²σ²f²)."""
+    chart = measured.chart
+    QTest.mouseMove(chart, QPoint(chart.width() // 3, chart.height() // 2))
+    told = re.match(
+        r"([\d.]+) cycles/sample: across ([\d.]+) ± ([\d.]+)", measured.status.more.text()
+    )
+    frequency, mtf, error = map(float, told.groups())
+    assert 0.1 < frequency < 0.4
+    truth = math.exp(-2.0 * (math.pi * SIGMA * frequency) ** 2)
+    assert mtf == pytest.approx(truth, abs=4.0 * error + 0.002)
+    QTest.mouseMove(chart, QPoint(1, 1))
+    assert measured.status.more.text() == ""
 
 
 def test_one_edge_that_overshoots_gives_no_figure(view, qtbot, two_edges, tmp_path):
