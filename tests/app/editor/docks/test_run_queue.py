@@ -5,7 +5,7 @@ from PySide6.QtCore import QObject
 
 from app.editor.docks.runs import RunQueue, job_of, proposed_folder
 from core.editing.document import Document
-from core.editing.operations import set_parameter
+from core.editing.operations import set_network_field, set_parameter
 
 
 @pytest.fixture
@@ -62,3 +62,10 @@ def test_folders_are_proposed_that_are_free(small, tmp_path):
     first.mkdir()
     taken = {tmp_path / "mine-sweep-2"}
     assert proposed_folder(small, "sweep", taken) == tmp_path / "mine-sweep-3"
+
+
+@pytest.mark.parametrize(("name", "folder"), [("Band 3/5 (µ)", "band_3_5__µ_"), ("", "network")])
+def test_what_is_not_saved_goes_by_its_name(small, tmp_path, monkeypatch, name, folder):
+    monkeypatch.chdir(tmp_path)
+    small.do(set_network_field("name", name))
+    assert proposed_folder(small, "run", set()) == tmp_path / f"{folder}-run"
