@@ -1,12 +1,13 @@
 """What a picture shows of parameters: spreads of chains whose bands differ."""
 
 import json
+import math
 
 import numpy as np
 import pytest
 
 from app.fit.chain_fit import EdgeProblem, fit_chain, positive, student_factor, widened_by_scatter
-from app.fit.chain_transfer import ChainAt, free_parameters
+from app.fit.chain_transfer import ChainAt, FreeParameter, free_parameters, places
 from app.fit.picture_fit import edges_in
 from core.chain.engine import Engine
 from core.evaluation.work import Policy
@@ -35,6 +36,17 @@ def test_parameters_are_sorted_whatever_the_band(sigma_mrad):
     problem.sort_out(np.array([sigma_mrad, 3.0]))
     assert problem.shown == {0}
     assert problem.noisy == frozenset()
+
+
+ENDS = [(2.0, 100.0), (-8.0, 8.0), (-8.0, 9e9), (-1e-3, math.inf), (-math.inf, math.inf)]
+
+
+@pytest.mark.parametrize("present", [None, 0.5, 3.0])
+@pytest.mark.parametrize("ends", ENDS)
+def test_a_fit_begins_within_the_range_of_its_parameter(ends, present):
+    begun = places(FreeParameter("a.b", "a", "b", *ends, present, ""))
+    assert len(begun) > 5
+    assert ends[0] <= begun.min() < begun.max() <= ends[1]
 
 
 def test_a_value_is_positive_where_its_sign_changes_nothing():
