@@ -1,5 +1,7 @@
 """Nodes and wires added by the lists that float on the canvas, and by what is dropped on it."""
 
+from functools import partial
+
 from PySide6.QtCore import QPointF, Qt
 from PySide6.QtGui import QDragEnterEvent, QDragLeaveEvent, QDragMoveEvent, QDropEvent
 from PySide6.QtTest import QTest
@@ -7,6 +9,7 @@ from PySide6.QtWidgets import QApplication
 
 from app.editor.canvas.adding import possible_links
 from app.editor.library_view import module_data
+from core.editing.operations import remove_nodes
 from core.network.network import Link
 from window_hands import drag_event
 
@@ -84,12 +87,13 @@ def test_possible_wires_fit(opened, library):
 # --- drops ----------------------------------------------------------------------------------------
 
 
-def drag_and_drop(canvas, data, pos, *, leave=False):
+def drag_and_drop(canvas, data, pos, *, leave=False, over=lambda: None):
     """What Qt sends while something is dragged over the canvas; whether it was taken."""
     viewport = canvas.view.viewport()
     QApplication.sendEvent(viewport, drag_event(QDragEnterEvent, pos, COPY, data, LEFT, NONE))
     moving = drag_event(QDragMoveEvent, pos, COPY, data, LEFT, NONE)
     QApplication.sendEvent(viewport, moving)
+    over()
     if leave:
         QApplication.sendEvent(viewport, QDragLeaveEvent())
         return False
@@ -109,3 +113,12 @@ def test_a_module_dropped_on_a_wire_is_put_into_it(opened, canvas, hand):
     assert Link.between("blur.magnitude", "jitter_mtf.magnitude") in session.network.links
     assert Link.between("init.context", "jitter_mtf.context") in session.network.links
     assert position(session) == 1
+
+
+def test_a_wire_may_go_while_a_module_is_over_it(opened, canvas, hand):
+    session, data = opened("first_steps"), module_data("jitter_mtf")
+    canvas.frame_all()
+    place = hand.wire(Link.between("blur.magnitude", "back.magnitude"))
+    go = partial(session.do, remove_nodes(["blur"]))
+    drag_and_drop(canvas, data, place, leave=True, over=go)
+    assert not any(wire.target for wire in canvas.content.wires.values())
