@@ -123,6 +123,22 @@ def test_scenes_drawn_smaller_are_the_means_of_blocks(library, kind):
     np.testing.assert_allclose(small, means_of_blocks(full, *small.shape), rtol=1e-12)
 
 
+@pytest.mark.parametrize("kind", ["framing", "pushbroom"])
+def test_a_camera_over_a_smaller_scene_has_larger_pixels(library, kind):
+    """Of 1 m on the ground, in a scene of 0.5 m: each is the mean of its samples."""
+    params = {"kind": kind, "altitude_m": 1000.0, "ground_interval_m": 0.5, "fov_x_deg": None}
+    params |= {"pitch_x_um": 10.0, "focal_length_mm": 10.0, "columns": 48, "rows": 40}
+    if kind == "pushbroom":
+        params |= {"velocity_m_per_s": 100.0, "line_rate_Hz": 100.0}
+    links, size = ("scene.image > camera.image",), {"width": 128, "height": 128}
+    camera = Node("camera", "camera_geometry", params)
+    network = of_scene("slanted_edge", camera, links=links, **size)
+    full, small = both(network, 2, library)("camera.image")
+    assert (full.shape, small.shape) == ((40, 48), (20, 24))
+    assert np.ptp(small) > 0.0
+    np.testing.assert_allclose(small, means_of_blocks(full, 20, 24), rtol=1e-12)
+
+
 def test_a_scene_under_edit_is_drawn_smaller(library):
     """Drawn again at each edit, at full size it would leave nothing to gain.
 
