@@ -12,8 +12,8 @@ import numpy as np
 
 from app.bench.tables import Table, verdict
 from app.bench.timing import Settings, sensor_network
-from app.study.study_request import StudyRows, run_study
-from app.study.study_rows import Workers
+from app.study.study_request import run_study
+from app.study.study_rows import StudyRows, Workers
 from core.chain.engine import Engine
 from core.evaluation.work import Policy
 from core.network.network import Network

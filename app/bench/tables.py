@@ -277,24 +277,30 @@ def measured(
 
 
 def bench_page(facts: Mapping[str, Any], parts: Measured) -> str:
-    from app.report.html_page import Block, Drawn, Grid, Heading, Text, html_page
+    from app.report import html_page as html
 
     settings = facts["settings"]
     run = [*machine_words(facts["machine"]), f"{settings['threads']} threads"]
     run += [*(["quick"] if settings["quick"] else []), facts["date"], f"{facts['seconds']:.0f} s"]
-    blocks: list[Block] = [Heading(1, TITLE), Text(LEAD, "lead"), Text(" · ".join(run), "run")]
+    blocks = [
+        html.paragraph(LEAD, "lead"),
+        html.paragraph(" · ".join(run), "run"),
+    ]
     for name, tables in parts.items():
-        blocks.append(Heading(2, PARTS[name]))
+        blocks.append(html.heading(2, PARTS[name]))
         for table in tables:
-            blocks += [Heading(3, table.title), *([Text(table.text)] if table.text else [])]
+            blocks += [
+                html.heading(3, table.title),
+                *([html.paragraph(table.text)] if table.text else []),
+            ]
             drawn = chart_png(table, titled=False)
             if drawn is not None and table.chart is not None:
-                blocks.append(Drawn(drawn, table.chart.title or table.title, table.title))
+                blocks.append(html.drawn(drawn, table.chart.title or table.title, table.title))
             cells = table.cells()
             told = {cell for row in cells for cell in row if cell.startswith(("met", "missed"))}
             marks = {cell: "good" if cell.startswith("met") else "bad" for cell in told}
             judged = {index: marks for index, head in enumerate(table.heads) if head == "verdict"}
             if cells:
                 heads = list(table.heads.values())
-                blocks.append(Grid(heads, cells, numbers=table.numeric(), marks=judged))
-    return html_page(TITLE, blocks)
+                blocks.append(html.grid(heads, cells, numbers=table.numeric(), marks=judged))
+    return html.page(TITLE, blocks)

@@ -183,7 +183,7 @@ class _Runs:
 
         reach(0)
         results = trade_off(
-            self._engine, plan, self._work(), varied, None, default_figures(network, library),
+            self._engine, plan, self._work(), (varied,), default_figures(network, library),
             name=network.name or self._place.name, by_default=True, reached=reach,
         )  # fmt: skip
         if (why := results.why_nothing()) is not None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 import shutil
 import sys
@@ -10,7 +11,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from app.command import options
-from app.command.options import Progress, say, show, written
 from app.run import option_values as values
 from app.run.terminal import Stop
 from core.errors import DataError, UsageError, in_line, several
@@ -18,7 +18,7 @@ from nodes.files.file_format import suffixes
 
 if TYPE_CHECKING:
     from app.run.overrides import GivenNetwork
-    from app.study.study_request import StudyRows
+    from app.study.study_rows import StudyRows
     from core.evaluation.work import Policy
 
 _MOST_JOBS = 1024
@@ -64,31 +64,32 @@ def tradeoff(
     from core.chain.engine import Engine
 
     library, place, network = options.opened(asked, json)
-    varied, second = variations(vary, network, library)
+    axes = variations(vary, network, library)
+    along = axes[-1]
     chosen = chosen_figures(figures, network, library)
     engine = Engine(library)
     plan = engine.plan(network, folder=place.folder)
-    points = [value for _ in (second.values if second else (None,)) for value in varied.values]
 
     def made() -> Results:
-        with Progress(len(points)) as progress:
+        def reached(count: int) -> None:
+            value = along.values[(count - 1) % len(along.values)]
+            # Each point counts once, also where values look alike.
+            progress(f"{count}: {along.text} {shown_value(value, along.unit)}")
+
+        with options.Progress(math.prod(len(axis.values) for axis in axes)) as progress:
             results = trade_off(
-                engine, plan, engine.work(policy, cancel=stop), varied, second, chosen,
-                name=network.name or place.name, by_default=not figures,
-                # Each point counts once, also where values look alike.
-                reached=lambda count: progress(
-                    f"{count}: {varied.text} {shown_value(points[count - 1], varied.unit)}"
-                ),
+                engine, plan, engine.work(policy, cancel=stop), axes, chosen,
+                name=network.name or place.name, by_default=not figures, reached=reached,
             )  # fmt: skip
         if (why := results.why_nothing()) is not None:
             why = why and f": {why}"
             raise UsageError(
-                f"{OPTION} {varied.text}: no figure could be computed at any value{why}"
+                f"{OPTION} {along.text}: no figure could be computed at any value{why}"
             )
         return results
 
     inputs = [place.path, *input_files(plan)]
-    results = written(outputs, inputs, stop, made, trade_off_content)
+    results = options.written(outputs, inputs, stop, made, trade_off_content)
     width = shutil.get_terminal_size().columns if sys.stdout and sys.stdout.isatty() else None
     lines = [table(results, width)]
     if reasons := failures(results):
@@ -96,7 +97,7 @@ def tradeoff(
     if outputs:
         lines += ["", in_line(", ".join(map(str, outputs)))]
     warned = warned_points([point.warnings for point in results.points])
-    show(json, lambda: trade_off_facts(results), *lines, *warned)
+    options.show(json, lambda: trade_off_facts(results), *lines, *warned)
 
 
 @options.command()
@@ -191,7 +192,7 @@ def study(
         read=[place.path], output=output, summaries=summaries, **points,
     )  # fmt: skip
     if workers.warning:
-        say(json, f"warning: {workers.warning}")
+        options.say(json, f"warning: {workers.warning}")
 
     def where(done: int) -> str:
         if done >= len(wanted.order):
@@ -200,15 +201,9 @@ def study(
         words = (str(axis.shown(v)) for axis, v in zip(wanted.axes, point, strict=True))
         return " ".join(words)[:60]
 
-    def summarise(result: StudyRows) -> None:
-        for page in summaries:
-            from app.study.study_drawing import write_summary  # which takes matplotlib to load
-
-            write_summary(result, page)
-
-    with Progress(len(wanted.points), time_left=True) as progress:
+    with options.Progress(len(wanted.points), time_left=True) as progress:
         result = carry_out(
-            wanted, workers, output=output, summarise=summarise, fresh=fresh,
+            wanted, workers, output=output, summaries=summaries, fresh=fresh,
             reached=lambda done: progress.reach(done, where(done)), cancel=stop,
         )  # fmt: skip
     _show_rows(result, [output, *summaries], json, time.perf_counter() - begun)
@@ -242,7 +237,7 @@ def _show_rows(result: StudyRows, written: list[Path], json: bool, seconds: floa
         return {"rows": [dict(zip(heads, row, strict=True)) for row in rows], "files": files}
 
     done = in_line(f"{several(count, 'point')} in {seconds:.3g} s: {', '.join(files)}")
-    show(json, facts, done, *warned_points([row.warnings for row in result.rows]))
+    options.show(json, facts, done, *warned_points([row.warnings for row in result.rows]))
     if failed:
         row = failed[0]
         error = DataError(
@@ -274,6 +269,6 @@ def solve(
     library, place, network = options.opened(asked, json)
     facts, lines = solve_network(
         network, library, place.folder, solve_for=solve_for, until=until, policy=policy,
-        cancel=stop, progress=Progress,
+        cancel=stop, progress=options.Progress,
     )  # fmt: skip
-    show(json, lambda: facts, *lines)
+    options.show(json, lambda: facts, *lines)

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from app.fit.fit_result import FitResult, NoiseComparison
 from app.measure.measurement_text import with_error
+from app.report import html_page as html
 from app.report.drawing.picture_drawing import COLOURS, figure, number, short
-from app.report.html_page import Block, Drawn, Grid, Heading, Items, Text, html_page
 from app.run.terminal import columns, number_text
 from core.errors import in_line, several
 
@@ -25,9 +25,8 @@ def fit_page(result: FitResult, *, network: str, pictures: tuple[str, ...]) -> s
     lines = [*(f"Warning: {line}." for line in result.warnings), *(f"{n}." for n in result.notes)]
     heads = ("parameter", "value ± standard error", "unit", "value before the fit")
     rows = [_row(result, index) for index in range(len(result.parameters))]
-    blocks: list[Block] = [
-        Heading(1, title),
-        Text(
+    blocks = [
+        html.paragraph(
             # No-break spaces: what belongs together stays in one line.
             f"{several(len(result.fit.patches), 'edge')}. {_CHI2} of freedom: "
             f"{short(result.chi2_per_degree)} for all residuals "
@@ -36,20 +35,20 @@ def fit_page(result: FitResult, *, network: str, pictures: tuple[str, ...]) -> s
             "residuals are only noise.",
             "lead",
         ),
-        Grid(heads, rows, numbers=(1, 3), kind="fitted"),
-        *([Items(tuple(f"{line[:1].upper()}{line[1:]}" for line in lines))] if lines else []),
+        html.grid(heads, rows, numbers=(1, 3), kind="fitted"),
+        *([html.items(f"{line[:1].upper()}{line[1:]}" for line in lines)] if lines else []),
         *_combinations(result),
         *_correlation(result),
         *_pictures(result),
         *_noise(result),
     ]
-    return html_page(title, blocks)
+    return html.page(title, blocks)
 
 
-def _pictures(result: FitResult) -> list[Block]:
+def _pictures(result: FitResult) -> list[str]:
     return [
-        Heading(2, "Edges"),
-        Drawn(
+        html.heading(2, "Edges"),
+        html.drawn(
             patches_png(result),
             "Patches of the picture, the same patches from the fitted network, and their "
             "difference in units of the noise's standard deviation. If the network is right, "
@@ -57,7 +56,7 @@ def _pictures(result: FitResult) -> list[Block]:
             "an effect. Above each patch: the direction of the edge's normal.",
             "real and simulated patches",
         ),
-        Drawn(
+        html.drawn(
             spreads_png(result),
             "a: samples against distance from the edge, scaled from 0 (dark level) to 1 (bright "
             "level), and the edge spread of the fitted chain. b: mean residuals in "
@@ -75,18 +74,18 @@ def _row(result: FitResult, index: int) -> tuple[str, ...]:
     return one.port, value, one.unit, before
 
 
-def _combinations(result: FitResult) -> list[Block]:
+def _combinations(result: FitResult) -> list[str]:
     if not result.combinations:
         return []
     rows = [(one.text, with_error(one.value, one.sigma), one.unit) for one in result.combinations]
     heads = ("combination", "value ± standard error", "unit")
     return [
-        Heading(2, "Combinations of parameters that cannot be separated"),
-        Grid(heads, rows, numbers=(1,), kind="fitted"),
+        html.heading(2, "Combinations of parameters that cannot be separated"),
+        html.grid(heads, rows, numbers=(1,), kind="fitted"),
     ]
 
 
-def _correlation(result: FitResult) -> list[Block]:
+def _correlation(result: FitResult) -> list[str]:
     known = [i for i, one in enumerate(result.parameters) if one.value is not None]
     names = [result.parameters[i].port for i in known]
     if len(names) < 2:
@@ -96,10 +95,13 @@ def _correlation(result: FitResult) -> list[Block]:
         for name, row in zip(names, result.correlation[known], strict=True)
     ]
     numbers = tuple(range(1, len(names) + 1))
-    return [Heading(2, "Correlation of errors"), Grid(("", *names), rows, numbers=numbers)]
+    return [
+        html.heading(2, "Correlation of errors"),
+        html.grid(("", *names), rows, numbers=numbers),
+    ]
 
 
-def _table(result: FitResult) -> list[Block]:
+def _table(result: FitResult) -> list[str]:
     drawn = set(drawn_edges(result))
     rows = []
     for index, patch in enumerate(result.fit.patches):
@@ -109,15 +111,15 @@ def _table(result: FitResult) -> list[Block]:
         step, count = short(float(result.fit.edges.step[index])), len(patch.value)
         rows.append((name, *place, str(count), step, f"{chi2 / count:.3f}"))
     heads = ("edge", "column", "row", "normal (°)", "samples", "step", "χ² per sample")
-    return [Grid(heads, rows, numbers=tuple(range(1, 7)))]
+    return [html.grid(heads, rows, numbers=tuple(range(1, 7)))]
 
 
-def _noise(result: FitResult) -> list[Block]:
+def _noise(result: FitResult) -> list[str]:
     if not result.noise:
         return []
-    blocks: list[Block] = [Heading(2, "Noise")]
+    blocks = [html.heading(2, "Noise")]
     if not isinstance(result.noise, NoiseComparison):
-        return [*blocks, Text(f"{result.noise[:1].upper()}{result.noise[1:]}.")]
+        return [*blocks, html.paragraph(f"{result.noise[:1].upper()}{result.noise[1:]}.")]
     how = (
         "fitted together with the edges"
         if result.noise.fitted
@@ -127,7 +129,7 @@ def _noise(result: FitResult) -> list[Block]:
         "Sample variance in flat areas against level, with its standard error, and the prediction "
         f"from the network's noise budget ({how})."
     )
-    return [*blocks, Drawn(noise_png(result.noise), caption, "noise against level")]
+    return [*blocks, html.drawn(noise_png(result.noise), caption, "noise against level")]
 
 
 # Figures of a fit: real and simulated patches, edges overlaid, residuals, noise over the level.

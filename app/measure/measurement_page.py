@@ -10,8 +10,8 @@ import numpy as np
 
 from app.measure import measurement_text as told
 from app.measure.picture_measurement import MeasuredEdge, NoiseFigures, PictureMeasurement, Preview
+from app.report import html_page as html
 from app.report.drawing.picture_drawing import COLOURS, figure, number
-from app.report.html_page import Block, Drawn, Grid, Heading, Items, Text, html_page
 from app.run.saving import robust_limits
 from core.atomic import write_text
 from core.errors import DataError, UsageError, printable
@@ -30,17 +30,16 @@ def measurement_page(measured: PictureMeasurement) -> str:
     names = [Path(file.name).name for file in measured.files]
     title = f"Measured: {names[0]}" + (f" and {len(names) - 1} more" if len(names) > 1 else "")
     notes, heads = told.remarks(measured), ("figure", "value", "unit", "meaning")
-    blocks: list[Block] = [
-        Heading(1, title),
-        Text(_lead(measured), "lead"),
-        Grid(heads, told.figure_rows(measured), (1,), kind="readouts"),
-        *([Items(tuple(f"{line[:1].upper()}{line[1:]}." for line in notes))] if notes else []),
+    blocks = [
+        html.paragraph(_lead(measured), "lead"),
+        html.grid(heads, told.figure_rows(measured), (1,), kind="readouts"),
+        *([html.items(f"{line[:1].upper()}{line[1:]}." for line in notes)] if notes else []),
         *_edges(measured),
         *_mtf(measured),
         *_noise(measured),
         *_edge_tables(measured),
     ]
-    return html_page(title, blocks)
+    return html.page(title, blocks)
 
 
 def _lead(measured: PictureMeasurement) -> str:
@@ -60,10 +59,10 @@ def _short(value: float) -> float:
     return float(f"{value:.4g}")
 
 
-def _edges(measured: PictureMeasurement) -> list[Block]:
-    blocks: list[Block] = [Heading(2, "Edges")]
+def _edges(measured: PictureMeasurement) -> list[str]:
+    blocks = [html.heading(2, "Edges")]
     if not measured.edges:
-        return [*blocks, Text("No straight edge was found.")]
+        return [*blocks, html.paragraph("No straight edge was found.")]
     for preview in measured.previews:
         name = measured.picture_name(preview.picture)
         caption = (
@@ -71,54 +70,54 @@ def _edges(measured: PictureMeasurement) -> list[Block]:
             "99.9 % quantiles."
         )
         drawn = edges_png(measured, preview)
-        blocks.append(Drawn(drawn, caption, f"edges of {name}"))
+        blocks.append(html.drawn(drawn, caption, f"edges of {name}"))
     more = measured.picture_count - len(measured.previews)
     if more > 0:
-        blocks.append(Text(f"Pictures not drawn: {more}."))
+        blocks.append(html.paragraph(f"Pictures not drawn: {more}."))
     return blocks
 
 
-def _mtf(measured: PictureMeasurement) -> list[Block]:
-    blocks: list[Block] = [Heading(2, "MTF")]
+def _mtf(measured: PictureMeasurement) -> list[str]:
+    blocks = [html.heading(2, "MTF")]
     if measured.x is None and measured.y is None:
-        across = Text(f"No horizontal MTF: {measured.reason_x}.")
-        return [*blocks, across, Text(f"No vertical MTF: {measured.reason_y}.")]
+        across = html.paragraph(f"No horizontal MTF: {measured.reason_x}.")
+        return [*blocks, across, html.paragraph(f"No vertical MTF: {measured.reason_y}.")]
     caption = (
         "MTF of everything from the scene to the stored samples, pooled over the edges used "
         "(weights: 1/error²). Grey curves: single edges whose normals lie within 30° of the axis. "
         "Beyond the Nyquist frequency, 0.5 cycles/sample, the picture is aliased, but slanted "
         "edges still give the MTF."
     )
-    blocks.append(Drawn(mtf_png(measured), caption, "pooled MTF"))
+    blocks.append(html.drawn(mtf_png(measured), caption, "pooled MTF"))
     return blocks
 
 
-def _noise(measured: PictureMeasurement) -> list[Block]:
+def _noise(measured: PictureMeasurement) -> list[str]:
     if measured.frames is None:
         return []
     heads = ("component", "σ", "unit", "meaning")
     return [
-        Heading(2, "Temporal noise"),
-        Grid(heads, told.frame_rows(measured), numbers=(1,)),
-        Text(
+        html.heading(2, "Temporal noise"),
+        html.grid(heads, told.frame_rows(measured), numbers=(1,)),
+        html.paragraph(
             "The fixed pattern of these frames includes the scene. To measure "
             "fixed-pattern noise, give frames of a uniform field to imagechain photon-transfer."
         ),
     ]
 
 
-def _edge_tables(measured: PictureMeasurement) -> list[Block]:
+def _edge_tables(measured: PictureMeasurement) -> list[str]:
     numbered = list(enumerate(measured.edges, 1))
     used = [(number, edge) for number, edge in numbered if edge.used]
     refused = [(number, edge) for number, edge in numbered if not edge.used]
-    blocks: list[Block] = []
+    blocks: list[str] = []
     several = measured.picture_count > 1
     if used:
         rows = [(*_place(edge, n, several), *_figures(edge)) for n, edge in used]
         blocks += [
-            Heading(2, "Edges used"),
-            Grid((*_PLACE, "step", "step/noise", "MTF50"), rows, numbers=range(1, 8)),
-            Text(
+            html.heading(2, "Edges used"),
+            html.grid((*_PLACE, "step", "step/noise", "MTF50"), rows, numbers=range(1, 8)),
+            html.paragraph(
                 "MTF50 in cycles/sample along the edge's normal. Edges with a normal within "
                 f"{LARGEST_ANGLE_DEG:g}° of 0° or 180° give the horizontal MTF; a normal within "
                 f"{LARGEST_ANGLE_DEG:g}° of ±90° gives the vertical MTF. The value after ± is the "
@@ -131,13 +130,13 @@ def _edge_tables(measured: PictureMeasurement) -> list[Block]:
         shown = refused[:_MOST_REFUSED]
         whys = [(*_place(edge, n, several), edge.why_not) for n, edge in shown]
         blocks += [
-            Heading(2, "Edges not used"),
-            Grid(("edges", "why not"), [(str(n), kind) for kind, n in kinds], numbers=(0,)),
-            Text("For advice, run imagechain handbook edge_pictures."),
-            Grid((*_PLACE, "why not"), whys, numbers=range(1, 5)),
+            html.heading(2, "Edges not used"),
+            html.grid(("edges", "why not"), [(str(n), kind) for kind, n in kinds], numbers=(0,)),
+            html.paragraph("For advice, run imagechain handbook edge_pictures."),
+            html.grid((*_PLACE, "why not"), whys, numbers=range(1, 5)),
         ]
         if len(refused) > len(shown):
-            blocks.append(Text(f"And {len(refused) - len(shown)} more."))
+            blocks.append(html.paragraph(f"And {len(refused) - len(shown)} more."))
     return blocks
 
 

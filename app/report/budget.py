@@ -6,17 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from app.report import html_page as html
+from app.report.drawing import picture_drawing as drawing
 from app.report.drawing.curves import draw_on
-from app.report.drawing.picture_drawing import (
-    COLOURS,
-    MOST_DRAWN,
-    figure,
-    legend_below,
-    number,
-    short,
-    strongest,
-)
-from app.report.html_page import Block, Drawn, Grid, Heading, Text, of_many
 from app.run.evaluation import Evaluation
 from core.chain.band_stack import BandStack
 from core.chain.wires import CurveData, Image, Series
@@ -24,16 +16,8 @@ from core.errors import FAULTS, DataError
 from core.evaluation.work import Work
 from core.modules.declaration import NodeContext
 from core.records import asdict
+from nodes.analysis import noise_budget
 from nodes.analysis.lineage import NoiseOf, noise_free, transfer_of
-from nodes.analysis.noise_budget import (
-    NoiseShare,
-    blur_shares,
-    distinct,
-    mtf_of_all,
-    noise_shares,
-    source_title,
-    unknown_before,
-)
 from nodes.input_output.sample_unit import statistics
 
 Fact = dict[str, Any]
@@ -68,7 +52,7 @@ def _noise_facts(evaluation: Evaluation) -> Fact:
             "the pictures are computed in blocks, but noise can only be traced through whole "
             "pictures"
         )
-    predicted = noise_shares(work, work.value(NoiseOf(image)), kind="all")
+    predicted = noise_budget.noise_shares(work, work.value(NoiseOf(image)), kind="all")
     if not predicted.shares:
         raise DataError(f"no noise is added on the way to {port}")
     of_picture, reason = _tried(lambda: _noise_of(work, image))
@@ -91,7 +75,7 @@ def _noise_of(work: Work, image: Image) -> Fact:
     return {"together": noise.sigma, "together_mean": noise.mean}
 
 
-def _source(evaluation: Evaluation, share: NoiseShare) -> Fact:
+def _source(evaluation: Evaluation, share: noise_budget.NoiseShare) -> Fact:
     planned = evaluation.plan.nodes.get(share.node)
     return {
         **asdict(share),
@@ -106,7 +90,8 @@ def _blur_facts(evaluation: Evaluation) -> Fact:
     passed = transfer_of(image)
     grid = evaluation.chain.combined or evaluation.chain.grid or image.grid()
     stages, half = passed.part("mtf"), (0.5 * grid.nyquist_x, 0.5 * grid.nyquist_y)
-    blur, before = blur_shares(work, stages=stages, frequency=half), unknown_before(passed)
+    blur = noise_budget.blur_shares(work, stages=stages, frequency=half)
+    before = noise_budget.unknown_before(passed)
     if not blur and before is not None:
         raise DataError(f"{before} has no known transfer function")
     if not blur:
@@ -115,8 +100,8 @@ def _blur_facts(evaluation: Evaluation) -> Fact:
         "xi_cyc_per_mrad": half[0],
         "eta_cyc_per_mrad": half[1],
         "behind": before,
-        "mtf_x": mtf_of_all(blur, 0),
-        "mtf_y": mtf_of_all(blur, 1),
+        "mtf_x": noise_budget.mtf_of_all(blur, 0),
+        "mtf_y": noise_budget.mtf_of_all(blur, 1),
         "stages": [
             {"node": one.node, "title": one.label, **_of_axis(one, 0, "x"), **_of_axis(one, 1, "y")}
             for one in blur
@@ -128,21 +113,21 @@ def _of_axis(share: Any, place: int, axis: str) -> Fact:
     return {f"mtf_{axis}": share.mtf[place], f"share_{axis}": share.share[place]}
 
 
-def budget(facts: Fact) -> list[Block]:
+def budget(facts: Fact) -> list[str]:
     """The section, with the reason where there is no noise or no blur."""
     contributions = facts["budget"]
     noise, blur = contributions["noise"], contributions["blur"]
-    blocks: list[Block] = [Heading(2, "Contributions to noise and blur")]
+    blocks = [html.heading(2, "Contributions to noise and blur")]
     if noise or blur:
         told = ["Noise: share of the noise variance in the final picture."] if noise else []
         told += ["Blur: share of −ln |MTF| at half the Nyquist frequency."] if blur else []
         caption = " ".join(told)
-        caption += of_many(len(noise["sources"]), "noise sources") if noise else ""
-        caption += of_many(len(blur["stages"])) if blur else ""
-        blocks.append(Drawn(bars_png(noise, blur), caption, "shares of noise and blur"))
+        caption += html.of_many(len(noise["sources"]), "noise sources") if noise else ""
+        caption += html.of_many(len(blur["stages"])) if blur else ""
+        blocks.append(html.drawn(bars_png(noise, blur), caption, "shares of noise and blur"))
     for what, section, shares in (("Noise", _noise, noise), ("Blur", _blur, blur)):
         reason = contributions[f"{what.lower()}_reason"]
-        unknown = Text(f"{what} cannot be split among its sources: {reason}.")
+        unknown = html.paragraph(f"{what} cannot be split among its sources: {reason}.")
         blocks += section(shares) if shares else [unknown]
     return blocks
 
@@ -151,7 +136,7 @@ def bars_png(noise: Fact | None, blur: Fact | None) -> bytes:
     panels = []
     if noise:
         rows = noise["sources"]
-        names = [source_title(row["name"]) for row in rows]
+        names = [noise_budget.source_title(row["name"]) for row in rows]
         kinds = ("temporal", "fixed")
         keys = {k: f"share_{k}" for k in kinds if any(row[k] is not None for row in rows)}
         panels.append(_bars("Noise", "share of the variance (%)", rows, names, keys))
@@ -160,12 +145,12 @@ def bars_png(noise: Fact | None, blur: Fact | None) -> bytes:
         names = [row["title"] for row in rows]
         panels.append(_bars("Blur", "share of −ln |MTF| (%)", rows, names, keys))
     most = max(len(panel.bars) for panel in panels)
-    with figure(10.0 if len(panels) == 2 else 6.6, 1.3 + 0.42 * most) as (drawn, out):
+    with drawing.figure(10.0 if len(panels) == 2 else 6.6, 1.3 + 0.42 * most) as (drawn, out):
         axes = drawn.subplots(1, len(panels), squeeze=False)[0]
         for axis, panel in zip(axes, panels, strict=True):
             draw_on(axis, panel)
             axis.set_title(panel.title)
-            legend_below(axis, 4.0, 8.5)
+            drawing.legend_below(axis, 4.0, 8.5)
     return out.getvalue()
 
 
@@ -174,26 +159,35 @@ def _bars(
 ) -> CurveData:
     """The greatest shares in percent, with their node where two names are alike."""
     shares = np.array([[100.0 * row[key] for row in rows] for key in keys.values()])
-    shown = strongest([*np.abs(shares).sum(axis=0)])
+    shown = drawing.strongest([*np.abs(shares).sum(axis=0)])
     pairs = [(names[at], rows[at]["node"]) for at in shown]
     places = np.arange(float(len(shown)))
     drawn = [[float(format(share, ".3g")) for share in along] for along in shares[:, shown]]
     series = (Series(key, places, np.array(along)) for key, along in zip(keys, drawn, strict=True))
-    return CurveData(title, "", label, tuple(series), bars=distinct(pairs))
+    return CurveData(title, "", label, tuple(series), bars=noise_budget.distinct(pairs))
 
 
 def _percent(share: float) -> str:
     """A share in percent; what rounds to nothing is shown as a bound."""
     if share != 0.0 and abs(share) < 5e-4:
         return "<0.05" if share > 0.0 else ">\u22120.05"
-    return number(float(format(100.0 * share, ".3g")))
+    return drawing.number(float(format(100.0 * share, ".3g")))
 
 
-def _noise(noise: Fact) -> list[Block]:
+def _noise(noise: Fact) -> list[str]:
     together = {"node": "", "temporal": noise["temporal"], "fixed": noise["fixed"], "share": 1.0}
-    titles = [*(source_title(source["name"]) for source in noise["sources"]), "All together"]
+    titles = [
+        *(noise_budget.source_title(source["name"]) for source in noise["sources"]),
+        "All together",
+    ]
     rows = [
-        (title, one["node"], number(one["temporal"]), number(one["fixed"]), _percent(one["share"]))
+        (
+            title,
+            one["node"],
+            drawing.number(one["temporal"]),
+            drawing.number(one["fixed"]),
+            _percent(one["share"]),
+        )
         for title, one in zip(titles, [*noise["sources"], together], strict=True)
     ]
     unit = f" ({noise['unit']})" if noise["unit"] else ""
@@ -203,30 +197,33 @@ def _noise(noise: Fact) -> list[Block]:
         "Temporal noise changes from frame to frame; fixed patterns stay the same. "
         f"{_beside(noise)}"
     )
-    heading = Heading(3, "Noise in the final picture")
-    return [heading, Text(text), Grid(heads, rows, numbers=(2, 3, 4))]
+    heading = html.heading(3, "Noise in the final picture")
+    return [heading, html.paragraph(text), html.report_grid(heads, rows, numbers=(2, 3, 4))]
 
 
 def _beside(noise: Fact) -> str:
-    all_noise = f"All noise: σ = {number(noise['summed'])} predicted"
+    all_noise = f"All noise: σ = {drawing.number(noise['summed'])} predicted"
     if noise["together"] is None:
         reason = noise["together_reason"]
         return f"{all_noise}; the noise in this picture is not known: {reason}."
     unit = f" {noise['unit']}" if noise["unit"] else ""
+    together, mean = drawing.number(noise["together"]), drawing.number(noise["together_mean"])
     return (
-        f"{all_noise}, {number(noise['together'])}{unit} simulated in this picture; the noise "
-        f"changes the picture's mean by {number(noise['together_mean'])}{unit}."
+        f"{all_noise}, {together}{unit} simulated in this picture; the noise changes the "
+        f"picture's mean by {mean}{unit}."
     )
 
 
-def _blur(blur: Fact) -> list[Block]:
-    xi, eta = number(blur["xi_cyc_per_mrad"]), number(blur["eta_cyc_per_mrad"])
+def _blur(blur: Fact) -> list[str]:
+    xi, eta = drawing.number(blur["xi_cyc_per_mrad"]), drawing.number(blur["eta_cyc_per_mrad"])
     rows = [
-        (one["title"], one["node"], number(one["mtf_x"]), _percent(one["share_x"]),
-         number(one["mtf_y"]), _percent(one["share_y"]))
+        (one["title"], one["node"], drawing.number(one["mtf_x"]), _percent(one["share_x"]),
+         drawing.number(one["mtf_y"]), _percent(one["share_y"]))
         for one in blur["stages"]
     ]  # fmt: skip
-    rows.append(("All together", "", number(blur["mtf_x"]), "", number(blur["mtf_y"]), ""))
+    rows.append(
+        ("All together", "", drawing.number(blur["mtf_x"]), "", drawing.number(blur["mtf_y"]), "")
+    )
     heads = ("stage", "node", "|MTF| x", "share x (%)", "|MTF| y", "share y (%)")
     text = f"|MTF| of each stage at {xi} cyc/mrad horizontally and {eta} vertically."
     if blur["behind"] is not None:
@@ -234,8 +231,8 @@ def _blur(blur: Fact) -> list[Block]:
             f" {blur['behind']} has no known transfer function, so only the stages after it are "
             "listed."
         )
-    heading = Heading(3, "Blur by stage")
-    return [heading, Text(text), Grid(heads, rows, numbers=(2, 3, 4, 5))]
+    heading = html.heading(3, "Blur by stage")
+    return [heading, html.paragraph(text), html.report_grid(heads, rows, numbers=(2, 3, 4, 5))]
 
 
 _FEW = 40  # bands up to which every one has a dot
@@ -287,7 +284,7 @@ def _responses(evaluation: Evaluation) -> list[Fact]:
     return responses
 
 
-def spectrum(facts: Fact) -> list[Block]:
+def spectrum(facts: Fact) -> list[str]:
     """The section; empty where no picture has bands."""
     spectra, responses = facts["spectra"]["means"], facts["spectra"]["responses"]
     if not spectra:
@@ -295,17 +292,17 @@ def spectrum(facts: Fact) -> list[Block]:
     caption = "Left: mean of each band of the pictures."
     if responses:
         caption += " Right: response at each wavelength, from 0 to 1."
-    caption += of_many(len(spectra), "spectra")
-    drawn = Drawn(spectra_png(spectra, responses), caption, "mean spectra and responses")
-    return [Heading(2, "Spectrum"), drawn, _table(spectra)]
+    caption += html.of_many(len(spectra), "spectra")
+    drawn = html.drawn(spectra_png(spectra, responses), caption, "mean spectra and responses")
+    return [html.heading(2, "Spectrum"), drawn, _table(spectra)]
 
 
 def spectra_png(spectra: list[Fact], responses: list[Fact]) -> bytes:
-    with figure(9.0, 3.9) as (drawn, out):
+    with drawing.figure(9.0, 3.9) as (drawn, out):
         axis = drawn.subplots()
-        colours = cycle(COLOURS)
+        colours = cycle(drawing.COLOURS)
         units = list(dict.fromkeys(one["unit"] for one in spectra))
-        for one, colour in zip(spectra[:MOST_DRAWN], colours, strict=False):
+        for one, colour in zip(spectra[: drawing.MOST_DRAWN], colours, strict=False):
             look = {"marker": "o" if one["bands"] <= _FEW else None, "label": _ports(one)}
             axis.plot(one["centres_um"], one["mean"], color=colour, lw=1.6, ms=3, **look)
         axis.set_xlabel("wavelength (µm)")
@@ -331,15 +328,17 @@ def _ports(one: Fact) -> str:
     return ports[0] if len(ports) == 1 else f"{ports[0]} to {ports[-1]}"
 
 
-def _table(spectra: list[Fact]) -> Block:
+def _table(spectra: list[Fact]) -> str:
     rows = []
     for one in spectra:
         low, high = one["band_um"]
         highest = max(range(one["bands"]), key=one["mean"].__getitem__)
         width, place = sum(one["widths_um"]) / one["bands"], one["centres_um"][highest]
-        figures = map(short, (width, place, one["mean"][highest]))
-        ends = f"{short(low)} to {short(high)}"
-        rows.append((", ".join(one["ports"]), number(one["bands"]), ends, *figures, one["unit"]))
+        figures = map(drawing.short, (width, place, one["mean"][highest]))
+        ends = f"{drawing.short(low)} to {drawing.short(high)}"
+        rows.append(
+            (", ".join(one["ports"]), drawing.number(one["bands"]), ends, *figures, one["unit"])
+        )
     heads = ["picture", "bands", "from, to (µm)", "mean width (µm)"]
     heads += ["highest at (µm)", "mean there", "unit"]
-    return Grid(heads, rows, numbers=(1, 3, 4, 5))
+    return html.report_grid(heads, rows, numbers=(1, 3, 4, 5))

@@ -12,8 +12,8 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from app.report import html_page as html
 from app.report.drawing.picture_drawing import COLOURS, figure, named, short
-from app.report.html_page import Block, Drawn, Grid, Heading, Text
 from app.run.evaluation import Evaluation
 from core.chain.random_fields import Remaking
 from core.chain.step_lineage import Axis, Linear, PlaceDependent, lineage_of, source_step
@@ -291,21 +291,21 @@ def edge_row(work: Work, recipe: Recipe, source: Recipe, axis: Axis, samples: in
     return np.asarray(row, np.float64)
 
 
-def judged(facts: Fact) -> list[Block]:
+def judged(facts: Fact) -> list[str]:
     edges, drawn_as = facts["judged"], facts["drawn_as"]
-    blocks: list[Block] = [Heading(2, "Checked by measurement")]
+    blocks = [html.heading(2, "Checked by measurement")]
     if edges["reason"]:
-        return [*blocks, Text(f"Not measured: {edges['reason']}.")]
+        return [*blocks, html.paragraph(f"Not measured: {edges['reason']}.")]
     good = [measurement for measurement in edges["measurements"] if measurement["reason"] is None]
     if good:
-        blocks.append(Text(_introduction(edges)))
+        blocks.append(html.paragraph(_introduction(edges)))
         caption = _caption(drawn_as.get("judged"))
-        blocks.append(Drawn(judged_png(edges), caption, "measured and expected MTF"))
+        blocks.append(html.drawn(judged_png(edges), caption, "measured and expected MTF"))
         blocks.append(_table(good))
     for measurement in edges["measurements"]:
         if measurement["reason"] is not None:
             what = f"{measurement['direction']}, {_METHOD_WORDS[measurement['method']]}"
-            blocks.append(Text(f"Not measured ({what}): {measurement['reason']}."))
+            blocks.append(html.paragraph(f"Not measured ({what}): {measurement['reason']}."))
     return blocks
 
 
@@ -383,7 +383,7 @@ def _panel(axis: Any, edges: Fact, direction: str) -> None:
     axis.set_xlim(0.0, 0.51)
 
 
-def _table(measurements: Iterable[Fact]) -> Grid:
+def _table(measurements: Iterable[Fact]) -> str:
     rows = [
         (
             measurement["direction"],
@@ -401,7 +401,7 @@ def _table(measurements: Iterable[Fact]) -> Grid:
         "direction", "edge", "MTF50 (cyc/mrad)", "expected", "MTF at Nyquist", "expected",
         "largest difference", "at (cyc/mrad)",
     )  # fmt: skip
-    return Grid(heads, rows, numbers=range(2, 8))
+    return html.report_grid(heads, rows, numbers=range(2, 8))
 
 
 def _with_error(value: float | None, error: float | None) -> str:

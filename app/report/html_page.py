@@ -1,83 +1,98 @@
-"""Pages that need no other file, written by one template from blocks, whose texts are no markup."""
+"""Pages that need no other file: pieces of HTML whose texts are no markup, in one template."""
 
 import base64
 from collections.abc import Iterable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
+from markupsafe import Markup
+
 from app.report.drawing.picture_drawing import DPI, MOST_DRAWN
-from core.records import dataclass, field
 
 MOST_ROWS = 500  # of a table, and nodes with read-outs: a page of more is no page
-IN_FILES = "readouts.json and mtf.csv"
+_IN_FILES = "readouts.json and mtf.csv"
+Marks = Mapping[int, Mapping[str, str]]
+_NONE: Marks = MappingProxyType({})
 
 
-@dataclass(frozen=True)
-class Heading:
+def heading(level: int, text: str, aside: str = "") -> str:
     """A heading of a level from 1 to 3; `aside` stands smaller behind it."""
-
-    level: int
-    text: str
-    aside: str = ""
+    small = " " + _element("small", aside) if aside else ""
+    return _element(f"h{level}", Markup("{}{}").format(text, small)) + "\n"
 
 
-@dataclass(frozen=True)
-class Text:
-    text: str
-    kind: str = ""
+def paragraph(text: str, kind: str = "") -> str:
+    return _element("p", text, kind) + "\n"
 
 
-@dataclass(frozen=True)
-class Items:
-    texts: tuple[str, ...]
-    kind: str = ""
+def items(texts: Iterable[str], kind: str = "") -> str:
+    return _element("ul", Markup("").join(_element("li", text) for text in texts), kind) + "\n"
 
 
-@dataclass(frozen=True)
-class Drawn:
-    """A picture within the file, with its caption; `alt` is its description in words."""
-
-    png: bytes
-    caption: str
-    alt: str
-
-    @property
-    def width(self) -> int:
-        """As many CSS pixels as it has inches."""
-        return int.from_bytes(self.png[16:20], "big") * 96 // DPI
+def drawn(png: bytes, caption: str, alt: str) -> str:
+    """A picture as wide in CSS pixels as in inches; `alt` is its description in words."""
+    width, data = int.from_bytes(png[16:20], "big") * 96 // DPI, base64.b64encode(png).decode()
+    image = Markup('<img width="{}" alt="{}" src="data:image/png;base64,{}">')
+    return (
+        _element("figure", image.format(width, alt, data) + _element("figcaption", caption)) + "\n"
+    )
 
 
-@dataclass(frozen=True)
-class Grid:
-    """A table; columns in `numbers` end together, `marks` gives cells of a column a class."""
+def grid(
+    heads: Sequence[str],
+    rows: Iterable[Sequence[str]],
+    numbers: Sequence[int] = (),
+    marks: Marks = _NONE,
+    kind: str = "",
+    *,
+    most: int | None = None,
+) -> str:
+    """A table; columns in `numbers` end together, `marks` gives cells of a column a class.
 
-    heads: Sequence[str]
-    rows: Iterable[Sequence[str]]
-    numbers: Sequence[int] = ()
-    marks: Mapping[int, Mapping[str, str]] = field(default_factory=dict)
-    kind: str = ""
+    Of more than `most` rows the first alone are shown, and a line says so.
+    """
 
-    def classes(self, column: int, cell: str | None = None) -> str:
-        """Classes of a head, or of a cell of that text."""
-        mark = "" if cell is None else self.marks.get(column, {}).get(cell, "")
-        return " ".join([*(["n"] if column in self.numbers else []), *([mark] if mark else [])])
+    def line(name: str, row: Sequence[str], marks: Marks) -> Markup:
+        cells = Markup("")
+        for column, text in enumerate(row):
+            kinds = ("n" if column in numbers else "", marks.get(column, {}).get(text, ""))
+            cells += _element(name, text, " ".join(filter(None, kinds)))
+        return _element("tr", cells)
+
+    rows = list(rows)
+    body = Markup("").join(line("td", row, marks) + "\n" for row in rows[:most])
+    inner = Markup("\n<thead>{}</thead>\n<tbody>\n{}</tbody>").format(
+        line("th", heads, _NONE), body
+    )
+    table = _element("div", _element("table", inner, kind), "wide") + "\n"
+    cut = most is not None and len(rows) > most
+    return table + (paragraph(first_of(len(rows), "rows")) if cut else "")
 
 
-@dataclass(frozen=True)
-class Beside:
+report_grid = partial(grid, most=MOST_ROWS)
+
+
+def beside(blocks: Iterable[str]) -> str:
     """Blocks side by side, as far as the window is wide enough; else one below the other."""
+    return _element("div", Markup("\n{}").format(Markup("").join(blocks)), "beside") + "\n"
 
-    blocks: Sequence["Block"]
+
+def _element(name: str, content: str, kind: str = "") -> Markup:
+    given = Markup(' class="{}"').format(kind) if kind else ""
+    return Markup("<{0}{1}>{2}</{0}>").format(name, given, content)
 
 
-Block = Heading | Text | Items | Drawn | Grid | Beside
+def first_of(count: int, what: str) -> str:
+    return f"The first {MOST_ROWS} of {count:,} {what}; {_IN_FILES} contain all of them."
 
 
 def of_many(count: int, what: str = "stages") -> str:
     """What a caption adds where not all is drawn; empty else."""
     if count <= MOST_DRAWN:
         return ""
-    where = "the table contains" if count <= MOST_ROWS else f"{IN_FILES} contain"
+    where = "the table contains" if count <= MOST_ROWS else f"{_IN_FILES} contain"
     return f" Only the {MOST_DRAWN} strongest of {count:,} {what} are drawn; {where} all of them."
 
 
@@ -93,9 +108,7 @@ def templates(folder: Path, **how: Any) -> Any:
     return Environment(loader=FileSystemLoader(folder), autoescape=True, **how)
 
 
-def html_page(title: str, blocks: Iterable[Block]) -> str:
-    environment = templates(TEMPLATES, keep_trailing_newline=True)
-    environment.filters["base64"] = lambda png: base64.b64encode(png).decode()
-    environment.tests["block"] = lambda block, kind: type(block).__name__ == kind
-    page: str = environment.get_template("page.html").render(title=title, blocks=list(blocks))
-    return page
+def page(title: str, blocks: Iterable[str]) -> str:
+    template = templates(TEMPLATES, keep_trailing_newline=True).get_template("page.html")
+    made: str = template.render(title=title, content=Markup("").join((heading(1, title), *blocks)))
+    return made

@@ -1,34 +1,14 @@
 """The HTML report: one file that needs no other, light and fit to print."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Sequence
 from typing import Any
 
+from app.report import html_page as html
 from app.report.budget import budget, spectrum
 from app.report.data_sheet_facts import DIFFERENT, REPRODUCED, TIMES
+from app.report.drawing import picture_drawing as drawing
 from app.report.drawing.curves import MOST, Part, curves_png, node_curves, product_png, stages_png
-from app.report.drawing.picture_drawing import (
-    named,
-    noise_png,
-    number,
-    panels_png,
-    pictures_png,
-    pupil_panels,
-    short,
-)
 from app.report.edge_measurement import judged
-from app.report.html_page import (
-    IN_FILES,
-    MOST_ROWS,
-    Beside,
-    Block,
-    Drawn,
-    Grid,
-    Heading,
-    Items,
-    Text,
-    html_page,
-    of_many,
-)
 from app.run.evaluation import Evaluation, Figure, figure_rows, reduced, way_in_words
 from app.run.terminal import four_digits, sized
 from app.run.transfer_chain import Responses
@@ -44,13 +24,12 @@ _MOST_NAMES = 24
 def page(evaluation: Evaluation, facts: dict[str, Any]) -> str:
     network = facts["network"]
     title = network["name"] or "Image chain"
-    figures = figure_rows([Figure(**figure) for figure in facts["figures"]], number)
+    figures = figure_rows([Figure(**figure) for figure in facts["figures"]], drawing.number)
     rows = [(name, f"{value} {unit}") for name, value, unit, _ in figures]
-    card = [Grid(("figure", "value"), rows, numbers=(1,), kind="card")] if rows else []
+    card = [html.report_grid(("figure", "value"), rows, numbers=(1,), kind="card")] if rows else []
     blocks = [
-        Heading(1, title),
-        *([Text(network["description"], "lead")] if network["description"] else []),
-        Beside((*card, *_shown_pictures(evaluation, _of_the_chain(facts)))),
+        *([html.paragraph(network["description"], "lead")] if network["description"] else []),
+        html.beside((*card, *_shown_pictures(evaluation, _of_the_chain(facts)))),
         *_warnings(facts),
         _run_line(facts),
         *data_sheet(facts),
@@ -67,30 +46,15 @@ def page(evaluation: Evaluation, facts: dict[str, Any]) -> str:
         *economy(facts),
         *_nodes(facts),
     ]
-    return html_page(title, list(_cut(blocks)))
+    return html.page(title, blocks)
 
 
-def _cut(blocks: Iterable[Block]) -> Iterator[Block]:
-    """The blocks with the first rows of very long tables alone, which then say so."""
-    for block in blocks:
-        rows = list(block.rows) if isinstance(block, Grid) else []
-        if isinstance(block, Grid) and len(rows) > MOST_ROWS:
-            yield replace(block, rows=rows[:MOST_ROWS])
-            yield Text(_first_of(len(rows), "rows"))
-        else:
-            yield block
-
-
-def _first_of(count: int, what: str) -> str:
-    return f"The first {MOST_ROWS} of {count:,} {what}; {IN_FILES} contain all of them."
-
-
-def _run_line(facts: dict[str, Any]) -> Block:
+def _run_line(facts: dict[str, Any]) -> str:
     run = facts["run"]
     versions = " · ".join(f"{name} {release}" for name, release in run["versions"].items())
     words = [
         f"{run['precision']} precision",
-        f"error budget {number(float(format(run['tolerance'], '.3g')))}",
+        f"error budget {drawing.number(float(format(run['tolerance'], '.3g')))}",
         f"seed {run['seed']}",
         f"{run['threads']} threads" if run["threads"] != 1 else "1 thread",
         f"{run['seconds']['total']:.2f} s",
@@ -99,15 +63,15 @@ def _run_line(facts: dict[str, Any]) -> Block:
         *([way_in_words(run["way"])] if run["way"] else []),
         run["date"],
     ]
-    return Text(" · ".join(words), "run")
+    return html.paragraph(" · ".join(words), "run")
 
 
-def _warnings(facts: dict[str, Any]) -> list[Block]:
+def _warnings(facts: dict[str, Any]) -> list[str]:
     lines = [
         f"{one['node']}: {one['message']}. {one['remedy'][:1].upper()}{one['remedy'][1:]}."
         for one in facts["warnings"]
     ]
-    return [Heading(2, "Warnings"), Items(tuple(lines), "warnings")] if lines else []
+    return [html.heading(2, "Warnings"), html.items(lines, "warnings")] if lines else []
 
 
 def _of_the_chain(facts: dict[str, Any]) -> list[dict[str, Any]]:
@@ -117,36 +81,41 @@ def _of_the_chain(facts: dict[str, Any]) -> list[dict[str, Any]]:
     return [*inputs[:_MOST_INPUTS], *outputs]
 
 
-def _pictures(evaluation: Evaluation, facts: dict[str, Any]) -> list[Block]:
+def _pictures(evaluation: Evaluation, facts: dict[str, Any]) -> list[str]:
     if not facts["pictures"]:
         return []
     others = [picture for picture in facts["pictures"] if picture["role"] == "other output"]
     names = ("minimum", "maximum", "mean", "sigma")
     rows = [
-        (one["port"], *(number(_clean(one, name)) for name in names), one["unit"])
+        (one["port"], *(drawing.number(_clean(one, name)) for name in names), one["unit"])
         for one in facts["pictures"]
     ]
     heads = ("picture", "minimum", "maximum", "mean", "σ", "unit")
     return [
-        Heading(2, "Input and output"),
+        html.heading(2, "Input and output"),
         *_other_pictures(evaluation, others, len(_of_the_chain(facts))),
-        Grid(heads, rows, numbers=(1, 2, 3, 4)),
+        html.report_grid(heads, rows, numbers=(1, 2, 3, 4)),
     ]
 
 
-def _shown_pictures(evaluation: Evaluation, shown: list[dict[str, Any]]) -> list[Block]:
+def _shown_pictures(evaluation: Evaluation, shown: list[dict[str, Any]]) -> list[str]:
     """Figure of the chain's pictures; none where several end unlinked and no chain begins."""
     if not shown:
         return []
-    drawn = pictures_png([_picture(evaluation, one, one["role"].capitalize()) for one in shown])
+    drawn = drawing.pictures_png(
+        [_picture(evaluation, one, one["role"].capitalize()) for one in shown]
+    )
     steps = [(one["interval_x_mrad"], one["interval_y_mrad"]) for one in shown]
-    sizes = [f" (sample size {number(x)} × {number(y)} mrad)" if x and y else "" for x, y in steps]
+    sizes = [
+        f" (sample size {drawing.number(x)} × {drawing.number(y)} mrad)" if x and y else ""
+        for x, y in steps
+    ]
     alike = [
         f"{one['port']}: {one['columns']} × {one['rows']} samples" + size
         for one, size in zip(shown, sizes, strict=True)
     ]
     caption = "; ".join(alike) + ". Grey levels span each picture's own 0.1 % to 99.9 % quantiles."
-    return [Drawn(drawn, caption, "input and output pictures")]
+    return [html.drawn(drawn, caption, "input and output pictures")]
 
 
 def _clean(picture: dict[str, Any], name: str) -> float:
@@ -156,15 +125,15 @@ def _clean(picture: dict[str, Any], name: str) -> float:
     return 0.0 if abs(value) < 1e-15 * largest else value
 
 
-def _other_pictures(
-    evaluation: Evaluation, others: list[dict[str, Any]], beside: int
-) -> list[Block]:
+def _other_pictures(evaluation: Evaluation, others: list[dict[str, Any]], beside: int) -> list[str]:
     if not others:
         return []
     shown, rest = others[:_MOST_OTHERS], others[_MOST_OTHERS:]
-    drawn = pictures_png([_picture(evaluation, one, one["port"]) for one in shown], beside)
+    drawn = drawing.pictures_png([_picture(evaluation, one, one["port"]) for one in shown], beside)
     more = _not_shown([picture["port"] for picture in rest])
-    return [Drawn(drawn, "Other output pictures of the network." + more, "other output pictures")]
+    return [
+        html.drawn(drawn, "Other output pictures of the network." + more, "other output pictures")
+    ]
 
 
 def _not_shown(ports: Sequence[str]) -> str:
@@ -181,33 +150,35 @@ def _picture(evaluation: Evaluation, picture: dict[str, Any], title: str) -> tup
     return title, image, reduced(realize(image, evaluation.work), evaluation.work)
 
 
-def _published(facts: dict[str, Any]) -> list[Block]:
+def _published(facts: dict[str, Any]) -> list[str]:
     rows = facts["published"]
-    blocks: list[Block] = []
+    blocks: list[str] = []
     if rows:
         good = sum(row["verdict"] == REPRODUCED for row in rows)
         heads = ("figure", "where", "published", "here", "unit", "verdict", "reason")
         marks = {REPRODUCED: "good", DIFFERENT: "bad"}
         blocks += [
-            Heading(2, "Comparison with published figures"),
-            Text(f"Published figures reproduced: {good} of {len(rows)}."),
-            Grid(heads, list(map(_published_cells, rows)), (2, 3), {5: marks}, "published"),
+            html.heading(2, "Comparison with published figures"),
+            html.paragraph(f"Published figures reproduced: {good} of {len(rows)}."),
+            html.report_grid(
+                heads, list(map(_published_cells, rows)), (2, 3), {5: marks}, "published"
+            ),
         ]
     if facts["conflicts"]:
-        blocks += [Heading(3 if rows else 2, "Conflicts within the source")]
-        blocks += [Items(tuple(facts["conflicts"]))]
+        blocks += [html.heading(3 if rows else 2, "Conflicts within the source")]
+        blocks += [html.items(facts["conflicts"])]
     return blocks
 
 
 def _published_cells(row: dict[str, Any]) -> tuple[str, ...]:
-    within = "" if row["within"] is None else f" ± {number(row['within'])}"
-    values = number(row["value"]) + within, number(row["ours"])
+    within = "" if row["within"] is None else f" ± {drawing.number(row['within'])}"
+    values = drawing.number(row["value"]) + within, drawing.number(row["ours"])
     reason = "" if row["verdict"] == REPRODUCED else row["reason"]
     return row["figure"], row["where"], *values, row["unit"], row["verdict"], reason
 
 
-def _pupils(evaluation: Evaluation) -> list[Block]:
-    panels, left_out = pupil_panels(evaluation)
+def _pupils(evaluation: Evaluation) -> list[str]:
+    panels, left_out = drawing.pupil_panels(evaluation)
     if not panels:
         return []
     titles = {
@@ -219,70 +190,75 @@ def _pupils(evaluation: Evaluation) -> list[Block]:
     kinds = [text for unit, text in titles.items() if any(panel.unit == unit for panel in panels)]
     caption = "; ".join(kinds).capitalize() + (". Grey levels are linear from minimum to maximum.")
     more = _not_shown(left_out)
-    drawn = panels_png(panels)
-    shown = Drawn(drawn, caption + more, "exit pupils and autocorrelations")
-    return [Heading(2, "Pupils"), shown]
+    drawn = drawing.panels_png(panels)
+    shown = html.drawn(drawn, caption + more, "exit pupils and autocorrelations")
+    return [html.heading(2, "Pupils"), shown]
 
 
-def _curves(evaluation: Evaluation) -> list[Block]:
+def _curves(evaluation: Evaluation) -> list[str]:
     curves = node_curves(evaluation)
     if not curves:
         return []
     caption = "Curves of the nodes; a gap means that the curve has no value there."
     caption += _not_shown([port for port, _ in curves[MOST:]])
-    return [Heading(2, "Curves"), Drawn(curves_png(curves[:MOST]), caption, "curves of nodes")]
+    return [
+        html.heading(2, "Curves"),
+        html.drawn(curves_png(curves[:MOST]), caption, "curves of nodes"),
+    ]
 
 
-def _noise(evaluation: Evaluation, facts: dict[str, Any]) -> list[Block]:
+def _noise(evaluation: Evaluation, facts: dict[str, Any]) -> list[str]:
     alive = [picture for picture in facts["noise"] if picture["maximum"] != picture["minimum"]]
     still = [picture["port"] for picture in facts["noise"] if picture not in alive]
     if not facts["noise"]:
         return []
-    blocks: list[Block] = [Heading(2, "Noise")]
+    blocks = [html.heading(2, "Noise")]
     if alive:
-        drawn = noise_png([_picture(evaluation, one, one["port"]) for one in alive[:_MOST_NOISES]])
+        drawn = drawing.noise_png(
+            [_picture(evaluation, one, one["port"]) for one in alive[:_MOST_NOISES]]
+        )
         caption = (
             "Noise pictures, with grey levels spanning their 0.1 % to 99.9 % quantiles, "
             "and their histograms."
         )
         caption += _not_shown([picture["port"] for picture in alive[_MOST_NOISES:]])
-        blocks.append(Drawn(drawn, caption, "noise pictures and histograms"))
+        blocks.append(html.drawn(drawn, caption, "noise pictures and histograms"))
     if still:
-        blocks.append(Text(f"Constant noise pictures, not drawn: {_listed(still)}."))
+        blocks.append(html.paragraph(f"Constant noise pictures, not drawn: {_listed(still)}."))
     return blocks
 
 
-def _readouts(facts: dict[str, Any]) -> list[Block]:
-    blocks: list[Block] = []
+def _readouts(facts: dict[str, Any]) -> list[str]:
+    blocks: list[str] = []
     nodes = 0
     for name, node in facts["nodes"].items():
         rows = [
-            (readout, number(one["value"], one["unit"]), one["unit"], one["meaning"])
+            (readout, drawing.number(one["value"], one["unit"]), one["unit"], one["meaning"])
             for readout, one in node["readouts"].items()
             if one["value"] is not None
         ]
         # A table often has the read-outs again.
         rows += [
-            (row["name"], number(row["value"], row["unit"]), row["unit"], row["meaning"])
+            (row["name"], drawing.number(row["value"], row["unit"]), row["unit"], row["meaning"])
             for table in node["tables"].values()
             for row in table
             if row["name"] not in node["readouts"] and row["value"] is not None
         ]
         nodes += bool(rows)
-        if rows and nodes <= MOST_ROWS:
+        if rows and nodes <= html.MOST_ROWS:
             heads = ("read-out", "value", "unit", "meaning")
-            blocks.append(Heading(3, node["title"], aside=name))
-            blocks.append(Grid(heads, rows, numbers=(1,), kind="readouts"))
-    if nodes > MOST_ROWS:
-        blocks.append(Text(_first_of(nodes, "nodes with read-outs")))
-    return [Heading(2, "Read-outs"), *blocks] if blocks else []
+            blocks.append(html.heading(3, node["title"], aside=name))
+            blocks.append(html.report_grid(heads, rows, numbers=(1,), kind="readouts"))
+    if nodes > html.MOST_ROWS:
+        blocks.append(html.paragraph(html.first_of(nodes, "nodes with read-outs")))
+    return [html.heading(2, "Read-outs"), *blocks] if blocks else []
 
 
-def _nodes(facts: dict[str, Any]) -> list[Block]:
+def _nodes(facts: dict[str, Any]) -> list[str]:
     rows = []
     for name, node in facts["nodes"].items():
         values = [
-            f"{name} = {number(given['value'])} {given['unit']}".rstrip()
+            f"{name} = {drawing.number(given['value'])} {given['unit']}".rstrip()
             for name, given in ((each, node["parameters"][each]) for each in node["set"])
         ]
         said = state(facts["skipped"].get(name, []))
@@ -296,7 +272,11 @@ def _nodes(facts: dict[str, Any]) -> list[Block]:
         f"{seconds['evaluation']:.3f} s, {seconds['total']:.3f} s in all before this report."
     )
     heads = ("node", "module", "set", "", "time")
-    return [Heading(2, "Nodes"), Grid(heads, rows, numbers=(4,)), Text(words)]
+    return [
+        html.heading(2, "Nodes"),
+        html.report_grid(heads, rows, numbers=(4,)),
+        html.paragraph(words),
+    ]
 
 
 # The section that reads as a camera's data sheet.
@@ -304,35 +284,37 @@ def _nodes(facts: dict[str, Any]) -> list[Block]:
 Fact = dict[str, Any]
 
 
-def data_sheet(facts: Fact) -> list[Block]:
+def data_sheet(facts: Fact) -> list[str]:
     """The section; empty of a network without a camera of today."""
     sheet = facts["data_sheet"]
     if sheet is None:
         return []
-    blocks: list[Block] = [Heading(2, "Data sheet")]
+    blocks = [html.heading(2, "Data sheet")]
     for group in sheet["groups"]:
         rows = [(r["label"], *_values(r["values"], r["unit"], r["between"])) for r in group["rows"]]
         if rows:
-            blocks.append(Heading(3, group["title"], group["node"]))
-            blocks.append(Grid(("figure", "value", "unit"), rows, numbers=(1,)))
+            blocks.append(html.heading(3, group["title"], group["node"]))
+            blocks.append(html.report_grid(("figure", "value", "unit"), rows, numbers=(1,)))
     for noise in sheet["noises"]:
         rows = [
             (row["label"], *(" ".join(_quantity(row[unit], unit)) for unit in ("e-", "K")))
             for row in noise["rows"]
         ]
-        blocks.append(Heading(3, "Noise by source", noise["node"]))
-        blocks.append(Grid(("noise", "electrons", "kelvin"), rows, numbers=(1, 2)))
+        blocks.append(html.heading(3, "Noise by source", noise["node"]))
+        blocks.append(html.report_grid(("noise", "electrons", "kelvin"), rows, numbers=(1, 2)))
     mtf = sheet["mtf"]
     if mtf is not None:
         x, y = _rounded(mtf["nyquist_x"]), _rounded(mtf["nyquist_y"])
-        blocks.append(Heading(3, "MTF at the pixels' Nyquist frequency"))
+        blocks.append(html.heading(3, "MTF at the pixels' Nyquist frequency"))
         where = f"At {x} cyc/mrad horizontally and {y} vertically"
-        blocks.append(Text(f"{where}: half a cycle per pixel of the final picture."))
+        blocks.append(html.paragraph(f"{where}: half a cycle per pixel of the final picture."))
         shown = [(r["label"], r["node"], _rounded(r["x"]), _rounded(r["y"])) for r in mtf["rows"]]
-        blocks.append(Grid(("stage", "node", "horizontal", "vertical"), shown, numbers=(2, 3)))
+        blocks.append(
+            html.report_grid(("stage", "node", "horizontal", "vertical"), shown, numbers=(2, 3))
+        )
         rer = f"{_rounded(mtf['edge_x'])} horizontal, {_rounded(mtf['edge_y'])} vertical"
         what = "the rise of a blurred edge across one pixel, as a fraction of the edge's height"
-        blocks.append(Text(f"Relative edge response (RER): {rer}. RER is {what}."))
+        blocks.append(html.paragraph(f"Relative edge response (RER): {rer}. RER is {what}."))
     return blocks
 
 
@@ -352,23 +334,23 @@ def _values(values: list[Any], unit: str, between: str) -> tuple[str, str]:
 
 def _quantity(value: Any, unit: str) -> tuple[str, str]:
     value, unit = sized(value, unit)
-    return number(value), unit
+    return drawing.number(value), unit
 
 
 def _rounded(value: Any) -> str:
-    return number(four_digits(value))
+    return drawing.number(four_digits(value))
 
 
 # The section on transfer functions: figures of every stage and of their product, and a table.
 
 
-def transfer(evaluation: Evaluation, facts: Fact) -> list[Block]:
+def transfer(evaluation: Evaluation, facts: Fact) -> list[str]:
     """The section; empty where nothing has a transfer function."""
     responses, chain = evaluation.responses, evaluation.chain
     acting = any(stage.acts for stage in responses.stages)
     if not acting and not responses.beside:
         return []
-    blocks: list[Block] = [Heading(2, "Transfer functions")]
+    blocks = [html.heading(2, "Transfer functions")]
     drawn_as = facts["drawn_as"]
     if acting:
         caption = (
@@ -380,7 +362,7 @@ def transfer(evaluation: Evaluation, facts: Fact) -> list[Block]:
             if chain.cascade
             else f"The stages are not in one chain, so there is no total MTF: {chain.missing}."
         )
-        caption = named(caption, drawn_as.get("stages"))
+        caption = drawing.named(caption, drawn_as.get("stages"))
         blocks += _stages(evaluation, responses, caption, "every stage")
     if acting and responses.products:
         caption = "Product of the MTFs of all stages, horizontal and vertical."
@@ -390,7 +372,9 @@ def transfer(evaluation: Evaluation, facts: Fact) -> list[Block]:
                 "vertical."
             )
         drawn = product_png(responses, chain)
-        blocks.append(Drawn(drawn, named(caption, drawn_as.get("total")), "product of the MTFs"))
+        blocks.append(
+            html.drawn(drawn, drawing.named(caption, drawn_as.get("total")), "product of the MTFs")
+        )
     if responses.beside:
         alone = replace(responses, stages=responses.beside, products=())
         caption = "Transfer functions of stages that are not on the path to the output shown."
@@ -398,8 +382,8 @@ def transfer(evaluation: Evaluation, facts: Fact) -> list[Block]:
     return [*blocks, _at_nyquist(responses, facts["transfer"]["at_nyquist"])]
 
 
-def _stages(evaluation: Evaluation, shown: Responses, caption: str, what: str) -> list[Block]:
-    blocks: list[Block] = []
+def _stages(evaluation: Evaluation, shown: Responses, caption: str, what: str) -> list[str]:
+    blocks: list[str] = []
     captions: dict[Part, str] = {
         "mtf": caption,
         "ptf": "PTFs of the stages in the figure above, in radians.",
@@ -408,19 +392,21 @@ def _stages(evaluation: Evaluation, shown: Responses, caption: str, what: str) -
         acting = sum(s.has_phase if part == "ptf" else s.has_blur for s in shown.stages)
         if acting:
             drawn = stages_png(shown, evaluation.chain, part)
-            blocks.append(Drawn(drawn, text + of_many(acting), f"{part.upper()} of {what}"))
+            blocks.append(
+                html.drawn(drawn, text + html.of_many(acting), f"{part.upper()} of {what}")
+            )
     return blocks
 
 
-def _at_nyquist(responses: Responses, nyquist: Fact) -> Block:
+def _at_nyquist(responses: Responses, nyquist: Fact) -> str:
     rows = []
     for stage in (*responses.stages, *responses.beside, *responses.products):
         names = (f"{stage.name}.{part}_nyquist_{axis}" for axis in "xy" for part in ("mtf", "ptf"))
-        values = (number(nyquist[name], unit="rad") for name in names)
+        values = (drawing.number(nyquist[name], unit="rad") for name in names)
         rows.append((stage.title, "" if stage.is_product else stage.name, *values))
     place = "at the FFT's Nyquist frequency"
     heads = (place, "node", "MTF x", "PTF x (rad)", "MTF y", "PTF y (rad)")
-    return Grid(heads, rows, numbers=(2, 3, 4, 5))
+    return html.report_grid(heads, rows, numbers=(2, 3, 4, 5))
 
 
 # The section on what was not computed, and why.
@@ -449,9 +435,9 @@ _KINDS = {
 }
 
 
-def economy(facts: Fact) -> list[Block]:
+def economy(facts: Fact) -> list[str]:
     """The section; empty where all there is was computed."""
-    budget = short(facts["run"]["tolerance"], 2)
+    budget = drawing.short(facts["run"]["tolerance"], 2)
     rows = []
     for kind, (what, why, detail) in _KINDS.items():
         where = [
@@ -461,12 +447,16 @@ def economy(facts: Fact) -> list[Block]:
             if fact["kind"] == kind and fact["share"] != 1  # a region may take the whole picture
         ]
         if where:
-            more = f" and {len(where) - MOST_ROWS:,} more" if len(where) > MOST_ROWS else ""
-            rows.append((what, why.format(budget=budget), ", ".join(where[:MOST_ROWS]) + more))
+            more = (
+                f" and {len(where) - html.MOST_ROWS:,} more" if len(where) > html.MOST_ROWS else ""
+            )
+            rows.append(
+                (what, why.format(budget=budget), ", ".join(where[: html.MOST_ROWS]) + more)
+            )
     if not rows:
         return []
     heads = ("not computed", "because", "where")
-    return [Heading(2, "Skipped computations"), Grid(heads, rows, kind="economy")]
+    return [html.heading(2, "Skipped computations"), html.report_grid(heads, rows, kind="economy")]
 
 
 def state(listed: list[Fact]) -> str:
@@ -477,12 +467,12 @@ def state(listed: list[Fact]) -> str:
         if fact["kind"] == "identity":
             return "neutral: skipped"
         if fact["kind"] == "below_budget":
-            return f"left out: effect at most {short(fact['bound'], 2)} of the range"
+            return f"left out: effect at most {drawing.short(fact['bound'], 2)} of the range"
     return ""
 
 
 def _detail(template: str, fact: Fact) -> str:
-    bound = short(fact["bound"], 2)
-    share = short(None if fact["share"] is None else 100 * fact["share"], 2)
+    bound = drawing.short(fact["bound"], 2)
+    share = drawing.short(None if fact["share"] is None else 100 * fact["share"], 2)
     told = template.format(bound=bound, share=share, ports=", ".join(fact["ports"]))
     return f" ({told})" if told else ""

@@ -2,6 +2,7 @@
 
 import contextlib
 import json
+import math
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
@@ -309,25 +310,20 @@ def variation(
     return Variation(setting.node, parameter, values)
 
 
-def variations(
-    texts: Sequence[str], network: Network, library: Library
-) -> tuple[Variation, Variation | None]:
+def variations(texts: Sequence[str], network: Network, library: Library) -> tuple[Variation, ...]:
+    """The axes of a trade-off: what moves along the curves, which is given first, comes last."""
     if not 1 <= len(texts) <= _MOST_VARIED:
         raise UsageError(
             f"{OPTION} is given {len(texts)} times: give it once, or twice for a family of curves"
         )
-    variations = [variation(text, network, library=library) for text in texts]
-    if len(variations) == 1:
-        return variations[0], None
-    first, second = variations
-    if first.text == second.text:
-        raise UsageError(f"{OPTION} {second.text} is given twice: vary another parameter")
-    if len(first.values) * len(second.values) > MOST:
-        raise UsageError(
-            f"{OPTION} {second.text}: {len(first.values)} × {len(second.values)} values; at most "
-            f"{MOST} are allowed"
-        )
-    return first, second
+    axes = [variation(text, network, library=library) for text in texts]
+    last, counts = axes[-1], [len(axis.values) for axis in axes]
+    if len({axis.text for axis in axes}) < len(axes):
+        raise UsageError(f"{OPTION} {last.text} is given twice: vary another parameter")
+    if math.prod(counts) > MOST:
+        product = " × ".join(map(str, counts))
+        raise UsageError(f"{OPTION} {last.text}: {product} values; at most {MOST} are allowed")
+    return tuple(axes[::-1])
 
 
 def one_value(option: str, setting: Assignment, network: Network, library: Library) -> Parameter:

@@ -9,20 +9,11 @@ from typing import Any, TypeGuard
 import numpy as np
 from numpy.typing import NDArray
 
-from app.report.drawing.picture_drawing import (
-    COLOURS,
-    by_rows,
-    family_colours,
-    figure,
-    legend_columns,
-    legend_height_in,
-    number,
-)
-from app.report.html_page import Block, Drawn, Grid, Heading, html_page
+from app.report import html_page as html
+from app.report.drawing import picture_drawing as drawing
 from app.run import terminal as tables
 from app.run.overrides import Variation, is_number
-from app.run.terminal import columns, warned_points, with_unit
-from app.study.study_request import StudyRows
+from app.study.study_rows import StudyRows
 from app.tradeoff.tradeoff_results import ROUNDING, Figure, Point, Results, shown_value
 from core.atomic import write_bytes, write_text
 from core.errors import printable, several
@@ -49,14 +40,13 @@ def trade_off_content(results: Results, path: Path) -> str | bytes:
 
 def trade_off_png(results: Results) -> bytes:
     """The picture; gaps where figures have no value, a dashed line at the present value."""
-    second = results.second
     curves = []
-    for value, points in results.curves:
+    for points in results.curves:
         heights = [[p.figures.get(shown.text) for p in points] for shown in results.figures]
-        name = "" if second is None else shown_value(value)
-        curves.append((name, [point.value for point in points], heights))
-    title = "" if second is None else second.title
-    return curves_png(results.figures, results.varied, curves, title, present=results.present)
+        name = "".join(map(shown_value, points[0].values[:-1]))
+        curves.append((name, [point.values[-1] for point in points], heights))
+    title = "".join(axis.title for axis in results.axes[:-1])
+    return curves_png(results.figures, results.along, curves, title, present=results.present)
 
 
 def curves_png(
@@ -73,10 +63,10 @@ def curves_png(
     down = -(-len(figures) // across)
     width = max(4.6, 3.4 * across)
     names = [name for name, *_ in curves if title]
-    legend = legend_height_in(names, width) if names else 0.0
+    legend = drawing.legend_height_in(names, width) if names else 0.0
     marked = along.is_numeric and is_number(present)
     marked = marked and min(along.values) <= present <= max(along.values)
-    with figure(width, 2.3 * down + 0.3 + legend) as (drawn, out):
+    with drawing.figure(width, 2.3 * down + 0.3 + legend) as (drawn, out):
         say(drawn, note)
         panels = drawn.subplots(down, across, squeeze=False, sharex=True).ravel()
         for place, (panel, shown) in enumerate(zip(panels, figures, strict=False)):
@@ -91,8 +81,8 @@ def curves_png(
             panel.set_visible(False)
         if names:
             handles = [line for line in panels[0].get_lines() if line.get_label()[0] != "_"]
-            count = legend_columns(names, width)
-            how = {"handles": by_rows(handles, count), "ncols": count, "title": title}
+            count = drawing.legend_columns(names, width)
+            how = {"handles": drawing.by_rows(handles, count), "ncols": count, "title": title}
             drawn.legend(**how, loc="outside lower center", fontsize=8.5)
     return out.getvalue()
 
@@ -100,7 +90,9 @@ def curves_png(
 def _draw(panel: Any, along: Variation, curves: Sequence[tuple[str, Any, Any]]) -> None:
     ranks = ranks_of(along)
     every = []
-    for colour, (name, values, figures) in zip(family_colours(len(curves)), curves, strict=True):
+    for colour, (name, values, figures) in zip(
+        drawing.family_colours(len(curves)), curves, strict=True
+    ):
         places = [value if along.is_numeric else ranks[value] for value in values]
         heights = [height if is_finite(height) else math.nan for height in figures]
         every += heights
@@ -146,7 +138,7 @@ def ordinate(panel: Any, heights: Sequence[float]) -> None:
         # A figure that does not move: not its rounding blown up to the full height.
         reach = 0.1 * abs(finite[0]) or 1.0
         panel.set_ylim(finite[0] - reach, finite[0] + reach)
-        panel.set_yticks([finite[0]], [number(tables.four_digits(finite[0]))])
+        panel.set_yticks([finite[0]], [drawing.number(tables.four_digits(finite[0]))])
     else:
         panel.ticklabel_format(axis="y", scilimits=(-3, 4), useMathText=True, useOffset=False)
 
@@ -184,56 +176,55 @@ def is_finite(value: float | None) -> TypeGuard[float]:
 
 def page(results: Results) -> str:
     title = f"{results.network or 'Image chain'}: trade-off"
-    caption = f"Figures of merit against {results.varied.text}"
-    caption += (
-        f", with one curve for each value of {results.second.text}." if results.second else "."
-    )
+    caption = f"Figures of merit against {results.along.text}"
+    caption += "".join(f", with one curve for each value of {a.text}" for a in results.axes[:-1])
+    caption += "."
     if results.present is not None:
-        present = shown_value(results.present, results.varied.unit)
+        present = shown_value(results.present, results.along.unit)
         caption += f" The value in the network is {present}"
-        caption += " (dashed line)." if results.varied.is_numeric else "."
+        caption += " (dashed line)." if results.along.is_numeric else "."
     if results.failures():
         caption += (
             " A cross marks a value at which the figure could not be computed; the reasons are "
             "listed below."
         )
     blocks = [
-        Heading(1, title),
-        Drawn(trade_off_png(results), caption, caption),
-        Heading(2, "Figures"),
-        Grid(("figure", "unit", "meaning"), [(f.text, f.unit, f.meaning) for f in results.figures]),
-        Heading(2, "Values"),
+        html.drawn(trade_off_png(results), caption, caption),
+        html.heading(2, "Figures"),
+        html.grid(
+            ("figure", "unit", "meaning"), [(f.text, f.unit, f.meaning) for f in results.figures]
+        ),
+        html.heading(2, "Values"),
         _value_grid(results),
         *_listed("Gaps", results.failures()),
         *_listed("Warnings", results.warnings()),
     ]
-    return html_page(title, blocks)
+    return html.page(title, blocks)
 
 
 def _columns(results: Results) -> list[tuple[Variation | Figure, list[Any]]]:
     points = results.points
-    return [
-        (results.varied, [point.value for point in points]),
-        *([(results.second, [point.second for point in points])] if results.second else []),
-        *(
-            (shown, [point.figures.get(shown.text) for point in points])
-            for shown in results.figures
-        ),
-    ]
+    values = zip(*(point.values for point in points), strict=True)
+    axes = zip(results.axes, map(list, values), strict=True)
+    figures = ((one, [point.figures.get(one.text) for point in points]) for one in results.figures)
+    return [*reversed([*axes]), *figures]
 
 
-def _value_grid(results: Results) -> Block:
+def _value_grid(results: Results) -> str:
     columns = _columns(results)
     cells = [
-        [number(v, shown.unit) if isinstance(shown, Figure) else shown_value(v) for v in values]
+        [
+            drawing.number(v, shown.unit) if isinstance(shown, Figure) else shown_value(v)
+            for v in values
+        ]
         for shown, values in columns
     ]
     heads = [tables.with_unit(shown.text, shown.unit) for shown, _ in columns]
-    return Grid(heads, list(zip(*cells, strict=True)), numbers=range(len(heads)))
+    return html.grid(heads, list(zip(*cells, strict=True)), numbers=range(len(heads)))
 
 
-def _listed(title: str, lines: list[tuple[str, str]]) -> list[Block]:
-    return [Heading(2, title), Grid(("where", "why"), lines)] if lines else []
+def _listed(title: str, lines: list[tuple[str, str]]) -> list[str]:
+    return [html.heading(2, title), html.grid(("where", "why"), lines)] if lines else []
 
 
 # A trade-off as text: the table of the terminal, CSV and JSON.
@@ -258,7 +249,7 @@ def table(results: Results, width: int | None = None) -> str:
         while others and (len(block) == len(axis_columns) or _fits([*block, others[0]], width)):
             block.append(others.pop(0))
         rows = list(zip(*block, strict=True))
-        blocks.append(columns(rows, right=range(len(block))))
+        blocks.append(tables.columns(rows, right=range(len(block))))
     return "\n\n".join(blocks)
 
 
@@ -286,18 +277,22 @@ def trade_off_facts(results: Results) -> dict[str, Any]:
         figures = {name: point.figures.get(name) for name in names}
         failed = {name: why for name, why in point.reasons.items() if name in names}
         told = {"failed": failed, "warnings": point.warnings}
-        return {"value": point.value, "figures": figures, **told}
+        return {"value": point.values[-1], "figures": figures, **told}
 
     return {
         "network": results.network,
-        "vary": [{"parameter": a.text, "unit": a.unit, "values": a.values} for a in results.axes],
+        "vary": [
+            {"parameter": a.text, "unit": a.unit, "values": a.values}
+            for a in reversed(results.axes)
+        ],
         "present": results.present,
         "figures": [
             {"name": f.text, "unit": f.unit, "meaning": f.meaning} for f in results.figures
         ],
         "curves": [
-            {**({"second": second} if results.second else {}), "points": list(map(at, points))}
-            for second, points in results.curves
+            dict(zip(("second",), points[0].values[:-1], strict=False))
+            | {"points": list(map(at, points))}
+            for points in results.curves
         ],
     }
 
@@ -364,7 +359,7 @@ def _maps(result: StudyRows, axes: Sequence[Variation], shown: Sequence[int], no
     y, x = axes
     ranks = [ranks_of(axis) for axis in axes]
     rows, columns = ([of[v] for v in _values(result, a)] for a, of in zip(axes, ranks, strict=True))
-    with figure(max(4.8, 3.9 * across), 3.0 * down + 0.3) as (drawn, out):
+    with drawing.figure(max(4.8, 3.9 * across), 3.0 * down + 0.3) as (drawn, out):
         say(drawn, note)
         panels = drawn.subplots(down, across, squeeze=False).ravel()
         for panel, number in zip(panels, shown, strict=False):
@@ -394,7 +389,7 @@ def _scatter(
 ) -> bytes:
     figures = result.study.figures
     wide, high = len(axes), len(shown)
-    with figure(max(4.6, 2.4 * wide + 0.6), 1.9 * high + 0.6) as (drawn, out):
+    with drawing.figure(max(4.6, 2.4 * wide + 0.6), 1.9 * high + 0.6) as (drawn, out):
         say(drawn, note)
         panels = drawn.subplots(high, wide, squeeze=False, sharex="col", sharey="row")
         for line, number in zip(panels, shown, strict=True):
@@ -404,7 +399,9 @@ def _scatter(
                 values, ranks = _values(result, axis), ranks_of(axis)
                 xs = [values[at] if axis.is_numeric else ranks[values[at]] for at in known]
                 alpha = max(0.08, min(0.9, 300.0 / max(1, len(xs))))
-                panel.plot(xs, heights[known], ".", markersize=3, color=COLOURS[0], alpha=alpha)
+                panel.plot(
+                    xs, heights[known], ".", markersize=3, color=drawing.COLOURS[0], alpha=alpha
+                )
             asked = figures[number]
             words = (short_text(asked.node), asked.name, asked.unit)
             line[0].set_ylabel("\n".join(filter(None, words)), fontsize=8.0)
@@ -416,7 +413,7 @@ def _scatter(
 
 
 def _nothing(result: StudyRows, *_: object) -> bytes:
-    with figure(5.0, 1.6) as (drawn, out):
+    with drawing.figure(5.0, 1.6) as (drawn, out):
         panel = drawn.subplots()
         panel.set_axis_off()
         count = len(result.rows)
@@ -487,12 +484,11 @@ def summary_page(result: StudyRows) -> str:
         f"Figures at {several(len(result.rows), 'point')}; a cross, or white on a map, marks "
         "a point where the figure has no value."
     )
-    blocks: list[Block] = [
-        Heading(1, f"{study.name or 'Image chain'}: study"),
-        Drawn(study_png(result), caption, caption),
-        Heading(2, "What varies"),
-        Grid(("parameter", "values", "from", "to"), [_varied(axis) for axis in study.axes]),
-        Heading(2, "Figures"),
+    blocks = [
+        html.drawn(study_png(result), caption, caption),
+        html.heading(2, "What varies"),
+        html.grid(("parameter", "values", "from", "to"), [_varied(axis) for axis in study.axes]),
+        html.heading(2, "Figures"),
         _figures(result),
     ]
     failed = result.failed
@@ -501,13 +497,16 @@ def summary_page(result: StudyRows) -> str:
         if len(failed) > _MOST_FAILED:
             rows.append(("", f"and {len(failed) - _MOST_FAILED} more"))
         blocks += [
-            Heading(2, f"{several(len(failed), 'point')} failed"),
-            Grid(("point", "why"), rows),
+            html.heading(2, f"{several(len(failed), 'point')} failed"),
+            html.grid(("point", "why"), rows),
         ]
-    lines = warned_points([row.warnings for row in result.rows])
+    lines = tables.warned_points([row.warnings for row in result.rows])
     if lines:
-        blocks += [Heading(2, lines[0].rstrip(":")), Grid(("warning",), [(x,) for x in lines[1:]])]
-    return html_page(f"{study.name or 'Image chain'}: study", blocks)
+        blocks += [
+            html.heading(2, lines[0].rstrip(":")),
+            html.grid(("warning",), [(x,) for x in lines[1:]]),
+        ]
+    return html.page(f"{study.name or 'Image chain'}: study", blocks)
 
 
 def _varied(axis: Variation) -> tuple[str, str, str, str]:
@@ -516,12 +515,12 @@ def _varied(axis: Variation) -> tuple[str, str, str, str]:
     return axis.title, str(len(axis.values)), first, last
 
 
-def _figures(result: StudyRows) -> Block:
+def _figures(result: StudyRows) -> str:
     rows = []
     for place, asked in enumerate(result.study.figures):
         known = [(row.figures[place], row.place + 1) for row in result.rows]
         values = sorted((value, point) for value, point in known if value is not None)
-        head = with_unit(asked.text, asked.unit)
+        head = tables.with_unit(asked.text, asked.unit)
         if not values and asked.by_default:
             continue
         if not values:
@@ -529,8 +528,8 @@ def _figures(result: StudyRows) -> Block:
             continue
         (least, low), (most, high) = values[0], values[-1]
         middle = statistics.median(value for value, _ in values)
-        cells = [number(value, asked.unit) for value in (least, middle, most)]
+        cells = [drawing.number(value, asked.unit) for value in (least, middle, most)]
         rows.append((head, str(len(values)), cells[0], str(low), cells[1], cells[2], str(high),
                      asked.meaning))  # fmt: skip
     heads = ("figure", "values", "least", "at point", "median", "most", "at point", "meaning")
-    return Grid(heads, rows, numbers=range(1, 7))
+    return html.grid(heads, rows, numbers=range(1, 7))

@@ -6,12 +6,14 @@ import glob
 import io
 import itertools
 import math
+import os
 import re
+import string
 import threading
 import time
 import warnings
 from collections.abc import Callable, Generator, Mapping, Sequence
-from functools import cached_property, partial
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -20,32 +22,19 @@ import numpy as np
 from app.run import overrides
 from app.run.option_values import Save, assignment, study_path
 from app.run.saving import check_suffix, is_cube, region_of
-from app.run.staging import Staging, check_folder
-from app.run.terminal import Stopped, too_late, version
+from app.run.terminal import Stopped, exact, too_late, version
 from app.study import study_rows
 from app.study.worker_processes import cluster_rows, process_rows
-from app.tradeoff.tradeoff_results import Figure, chosen_figures, nodes_after, with_value
+from app.tradeoff.tradeoff_results import Figure, chosen_figures, with_value
+from core import errors
 from core.chain.engine import Engine, Plan
 from core.chain.wires import Image
-from core.errors import (
-    Cancelled,
-    FileError,
-    ImagechainError,
-    ParameterError,
-    Suspended,
-    UsageError,
-    placed,
-    several,
-    shown,
-    shown_path,
-)
-from core.evaluation.recipes import content_key
 from core.evaluation.work import Policy
 from core.modules.declaration import Library, declaration
 from core.modules.parameters import Parameter
 from core.network.network import Network
 from core.network.validation import check_network, plain_network
-from core.records import dataclass, replace
+from core.records import replace
 from nodes.files.file_format import CSV
 from nodes.files.table_cells import plain_cell
 from nodes.library import standard_library
@@ -67,25 +56,27 @@ def sampled(
     library: Library,
 ) -> tuple[tuple[overrides.Variation, ...], Sequence[study_rows.Point]]:
     if points is not None and sample != LATIN:
-        raise UsageError(f"--points {points}: works only with --sample latin")
+        raise errors.UsageError(f"--points {points}: works only with --sample latin")
     if sample in (GRID, LATIN):
         drawn = sample == LATIN
         axes = tuple(_axis(*each, network, library, drawn=drawn) for each in vary.items())
         if sample == GRID:
             return axes, grid_points(axes)
         if points is None or not axes:
-            raise UsageError(
+            raise errors.UsageError(
                 "--sample latin: also give --points N, the number of points, and --vary "
                 "NODE.PARAM=FROM:TO, the range"
             )
         return latin_points(axes, points, network.seed)
     if vary:
-        raise UsageError(
+        raise errors.UsageError(
             f"--vary {next(iter(vary)):.80}: works only with --sample grid or latin; the points "
             f"come from {sample:.120}"
         )
     if not CSV.matches(Path(sample)):
-        raise UsageError(f"--sample {sample:.120}: write grid, latin, or the name of a .csv file")
+        raise errors.UsageError(
+            f"--sample {sample:.120}: write grid, latin, or the name of a .csv file"
+        )
     return listed_points(Path(sample), network, library=library)
 
 
@@ -118,32 +109,34 @@ def listed_points(
     path: Path, network: Network, *, library: Library
 ) -> tuple[tuple[overrides.Variation, ...], list[study_rows.Point]]:
     """The points of a CSV file, a row each; a unit behind a name must be that of the parameter."""
-    name = shown_path(str(path))
+    name = errors.shown_path(str(path))
     if path.exists() and not path.is_file():  # a pipe would be waited for
-        raise FileError(f"cannot read {name}: it is not a regular file")
+        raise errors.FileError(f"cannot read {name}: it is not a regular file")
     try:
         if (length := path.stat().st_size) > _MOST_BYTES:
-            raise FileError(f"{name}: {length} bytes are too many; allowed: at most {_MOST_BYTES}")
+            raise errors.FileError(
+                f"{name}: {length} bytes are too many; allowed: at most {_MOST_BYTES}"
+            )
         text = path.read_text(encoding="utf-8-sig")
     except OSError as error:
-        raise FileError(f"cannot read {name}: {error.strerror or error}") from error
+        raise errors.FileError(f"cannot read {name}: {error.strerror or error}") from error
     except UnicodeDecodeError as error:
-        raise FileError(f"{name}: not UTF-8 text") from error
+        raise errors.FileError(f"{name}: not UTF-8 text") from error
     lines = [line for line in csv.reader(io.StringIO(text)) if any(cell.strip() for cell in line)]
     if len(lines) < 2:
-        raise FileError(
+        raise errors.FileError(
             f"{name}: fewer than two lines. The first line must name the parameters as NODE.PARAM, "
             "and each further line must give one point"
         )
     heads = [plain_cell(head.strip()) for head in lines[0]]
     labels = [head.partition(" (")[0] for head in heads]
     if len(set(labels)) < len(labels):
-        raise FileError(f"{name}: two columns have the same name")
+        raise errors.FileError(f"{name}: two columns have the same name")
     _check_number(len(lines) - 1)
     for number, line in enumerate(lines[1:], 2):
         if len(line) != len(heads):
-            raise FileError(
-                f"{name}: line {number} has {several(len(line), 'cell')}, but the first "
+            raise errors.FileError(
+                f"{name}: line {number} has {errors.several(len(line), 'cell')}, but the first "
                 f"line has {len(heads)}"
             )
     axes, columns = [], []
@@ -152,7 +145,7 @@ def listed_points(
         axis = overrides.Variation(node, parameter, given=label)
         if head not in (label, axis.title):
             unit = axis.unit or "none"
-            raise FileError(f"{name}: column {head}: the parameter's unit is {unit}")
+            raise errors.FileError(f"{name}: column {head}: the parameter's unit is {unit}")
         cells = enumerate((plain_cell(line[place].strip()) for line in lines[1:]), 2)
         values = [_read(axis, cell, f"{name}: line {number}") for number, cell in cells]
         columns.append([overrides.from_here(value, parameter, path.parent) for value in values])
@@ -160,30 +153,15 @@ def listed_points(
     return tuple(axes), list(zip(*columns, strict=True))
 
 
-def order_of(
-    axes: Sequence[overrides.Variation], points: Sequence[study_rows.Point], network: Network
-) -> list[int]:
-    """The places in the order that repeats least: what few nodes hang on moves first."""
-    touched = [len(nodes_after(network, axis.node)) for axis in axes]
-    outwards = sorted(range(len(axes)), key=lambda place: -touched[place])
-    ranks = [{value: rank for rank, value in enumerate(axis.values)} for axis in axes]
-
-    def rank(place: int) -> tuple[int, ...]:
-        point = points[place]
-        return tuple(ranks[axis][point[axis]] for axis in outwards)
-
-    return sorted(range(len(points)), key=rank)
-
-
 def _check_number(count: int) -> None:
     if not 1 <= count <= MOST_POINTS:
-        raise UsageError(f"the study would have {count} points; allowed: 1 to {MOST_POINTS}")
+        raise errors.UsageError(f"the study would have {count} points; allowed: 1 to {MOST_POINTS}")
 
 
 def _read(axis: overrides.Variation, cell: str, where: str) -> Any:
     try:
         return overrides.first_taken(cell, partial(overrides.taken_value, axis.parameter))
-    except ParameterError as error:
+    except errors.ParameterError as error:
         refused = error.at(axis.node)
         refused.message = f"{where}: {refused.message}"
         raise refused from error
@@ -210,7 +188,7 @@ def _axis(
         taken = (overrides.from_here(_allowed(parameter, item, node), parameter) for item in items)
         axis = overrides.Variation(node, parameter, tuple(dict.fromkeys(taken)))
         if not axis.values:
-            raise UsageError(f"{overrides.OPTION} {label}: there are no values")
+            raise errors.UsageError(f"{overrides.OPTION} {label}: there are no values")
     return _of_files(replace(axis, given=label))
 
 
@@ -226,11 +204,13 @@ def files_axis(text: str, network: Network, *, library: Library) -> overrides.Va
     parameter = overrides.one_value(OVER, inner, network, library)
     if parameter.kind != "path":
         allowed = f"the parameter is {parameter.allowed()}, not a file name"
-        raise UsageError(f"{OVER} {setting.port}: {allowed}")
+        raise errors.UsageError(f"{OVER} {setting.port}: {allowed}")
     matching = glob.glob(setting.text, recursive=True)  # noqa: PTH207, as Path's needs a folder
     names = [name for name in matching if Path(name).is_file()]
     if not names:
-        raise FileError(f"{OVER} {setting.port}={shown(setting.text)}: no file matches")
+        raise errors.FileError(
+            f"{OVER} {setting.port}={errors.shown(setting.text)}: no file matches"
+        )
     names.sort(key=natural)
     by_value = {Path(name).absolute().as_posix(): Path(name).as_posix() for name in names}
     return overrides.Variation(
@@ -245,7 +225,7 @@ def natural(name: str) -> tuple[tuple[int, int, str], ...]:
 
 
 def _allowed(parameter: Parameter, value: Any, node: str) -> Any:
-    with placed(node):
+    with errors.placed(node):
         return overrides.taken_value(parameter, value)
 
 
@@ -259,91 +239,6 @@ def _of_files(axis: overrides.Variation) -> overrides.Variation:
         for file in files
     }
     return replace(axis, names=names)
-
-
-@dataclass(frozen=True)
-class Study:
-    name: str  # of the network
-    setting: study_rows.Setting  # what all points have in common
-    library: Library  # the modules
-    axes: tuple[overrides.Variation, ...]  # what varies
-    points: tuple[study_rows.Point, ...]  # A value for each axis
-    files: list[tuple[str, ...]]  # the saved pictures, by point
-
-    @property
-    def figures(self) -> tuple[Figure, ...]:
-        return self.setting.figures
-
-    @cached_property
-    def order(self) -> list[int]:
-        return order_of(self.axes, self.points, self.setting.network)
-
-    @property
-    def inputs(self) -> list[Path]:
-        nodes, folder = self.setting.network.nodes.values(), self.setting.folder
-        own = [
-            file for node in nodes for file in study_rows.input_paths(node, self.library, folder)
-        ]
-        return [*own, *(Path(v) for axis in self.axes for v in axis.values if v in axis.names)]
-
-    @cached_property
-    def key(self) -> str:
-        """Content key: of two studies with one key all rows are the same."""
-        return content_key(
-            study_rows.network_key(self.setting.network, self.setting, self.library),
-            tuple(axis.text for axis in self.axes),
-            self.points,
-            tuple((figure.text, figure.unit, figure.by_default) for figure in self.figures),
-            tuple((save.port, save.bounds) for save in self.setting.saves),
-            tuple(self.files),
-            tuple(study_rows.file_stamp(file) for file in self.inputs),
-        )
-
-    def check_places(self, outputs: Sequence[Path], read: Sequence[Path] = ()) -> None:
-        inputs = [*read, *self.inputs]
-        with Staging(None, inputs) as staging:
-            for path in outputs:
-                staging.claim(path)
-                staging.check(path.with_name(path.name + study_rows.SUFFIX))
-            for folder in dict.fromkeys(Path(name).parent for row in self.files for name in row):
-                check_folder(folder)
-            taken = {str(path.absolute()) for path in (*outputs, *inputs)}
-            taken |= {str(path.absolute()) + study_rows.SUFFIX for path in outputs}
-            for row in self.files:
-                for save, name in zip(self.setting.saves, row, strict=True):
-                    if name in taken:
-                        raise UsageError(f"{save.shown}: {shown(name)} is already a file "
-                                         "of this study; choose another name")  # fmt: skip
-
-
-@dataclass(frozen=True)
-class StudyRows:
-    study: Study  # what was wanted
-    rows: tuple[study_rows.Row, ...]  # by point
-    start_s: float = 0.0  # what the start of workers took, which is no row's
-
-    @property
-    def failed(self) -> list[study_rows.Row]:
-        return [row for row in self.rows if row.error]
-
-    def columns(self) -> list[study_rows.Column]:
-        """The rows as a table, without the default figures that have no value at any point."""
-        study = self.study
-        columns = [study_rows.Column("point", "", [row.place + 1 for row in self.rows])]
-        for number, axis in enumerate(study.axes):
-            values = [axis.shown(study.points[row.place][number]) for row in self.rows]
-            columns.append(study_rows.Column(axis.text, axis.unit, values))
-        for number, figure in enumerate(study.figures):
-            values = [row.figures[number] for row in self.rows]
-            if not figure.by_default or any(value is not None for value in values):
-                columns.append(study_rows.Column(figure.text, figure.unit, values))
-        columns.append(study_rows.Column("key", "", [row.key for row in self.rows]))
-        columns.append(study_rows.Column("seconds", "s", [row.seconds for row in self.rows]))
-        columns.append(study_rows.Column("error", "", [row.error for row in self.rows]))
-        columns.append(
-            study_rows.Column("warnings", "", ["; ".join(row.warnings) for row in self.rows])
-        )
-        return columns
 
 
 def make_study(
@@ -362,7 +257,7 @@ def make_study(
     read: Sequence[Path] = (),
     output: Path | None = None,
     summaries: Sequence[Path] = (),
-) -> Study:
+) -> study_rows.Study:
     """A study of every file with every sampled point, checked before it starts."""
     if output is not None:
         study_rows.check_installed(output)
@@ -370,16 +265,16 @@ def make_study(
     drawn, inner_points = sampled(network, vary or {}, sample, points, library=library)
     axes = (*overs, *drawn)
     if not axes:
-        raise UsageError(
+        raise errors.UsageError(
             f"nothing is varied: give {overrides.OPTION} NODE.PARAM=VALUES, {OVER} or --sample FILE"
         )
     places = [(axis.node, axis.parameter.name) for axis in axes]
     for number, axis in enumerate(axes):
         if places.index(places[number]) < number:
-            raise UsageError(f"{axis.text} is varied twice: vary another parameter")
+            raise errors.UsageError(f"{axis.text} is varied twice: vary another parameter")
     across = grid_points(overs)
     if len(across) * len(inner_points) > MOST_POINTS:
-        raise UsageError(
+        raise errors.UsageError(
             f"the study would have {len(across)} × {len(inner_points)} points; at most "
             f"{MOST_POINTS} are allowed"
         )
@@ -393,8 +288,8 @@ def make_study(
     units = tuple(_with_unit(figure, first) for figure in chosen)
     what = tuple(places), units, tuple(saves)
     setting = study_rows.Setting(network, folder.absolute(), *what, policy or Policy(), version())
-    files = study_rows.file_names(saves, axes, every) if saves else []
-    study = Study(name, setting, library, axes, every, files)
+    files = file_names(saves, axes, every) if saves else []
+    study = study_rows.Study(name, setting, library, axes, every, files)
     listed_in = [Path(sample)] if CSV.matches(Path(sample)) else []
     study.check_places([*filter(None, [output]), *summaries], [*read, *listed_in])
     return study
@@ -413,20 +308,23 @@ def _check_saves(saves: Sequence[Save], plan: Plan, network: Network, library: L
         node, _, port = network.port_names.get(save.port, save.port).rpartition(".")
         if node not in network.nodes:
             hint = overrides.near(save.node, network.nodes)
-            raise UsageError(f"{save.shown}: the network has no node {shown(save.node)}{hint}")
+            raise errors.UsageError(
+                f"{save.shown}: the network has no node {errors.shown(save.node)}{hint}"
+            )
         module = library.get(network.nodes[node].module)
         ports = [] if module is None else [output.name for output in declaration(module).outputs]
         if port not in ports:
-            raise UsageError(
-                f"{save.shown}: {node} has no output {shown(port)}{overrides.near(port, ports)}"
+            hint = overrides.near(port, ports)
+            raise errors.UsageError(
+                f"{save.shown}: {node} has no output {errors.shown(port)}{hint}"
             )
         try:
             value = plan.output(save.port)
-        except ImagechainError:
+        except errors.ImagechainError:
             continue  # the rows say why
         path = Path(save.text)
         if is_cube(value, path):
-            raise UsageError(
+            raise errors.UsageError(
                 f"{save.shown}: a study writes pictures (.tif, .exr or .npy), not cubes"
             )
         check_suffix(save.port, value, path)
@@ -434,28 +332,98 @@ def _check_saves(saves: Sequence[Save], plan: Plan, network: Network, library: L
             region_of(save, value)
 
 
+# The files of ``--save NODE.PORT=PATTERN``: a name for each point of a study.
+
+POINT, SCENE = "point", "scene"
+
+
+def _filled(pattern: str, values: Mapping[str, Any], points: int) -> str:
+    """A pattern with its fields filled, such as ``{point}`` or ``{NODE.PARAM:.2f}``."""
+    text = ""
+    for literal, name, spec, conversion in string.Formatter().parse(pattern):
+        text += literal
+        if name is None:
+            continue
+        if name not in values:
+            hint = errors.close(name, values) or f"; its fields: {', '.join(values)}"
+            raise ValueError(f"the study has no field {errors.shown(name)}{hint}")
+        if conversion:
+            raise ValueError("only a number format may follow a field's name")
+        if re.search("[0-9]{4}", spec or ""):
+            raise ValueError(f"{{{name}:{spec:.20}}}: at most 999 characters or digits are allowed")
+        # Zeros lead a point's number where it has no format.
+        form = spec or (f"0{len(str(points))}d" if name == POINT else "")
+        value = values[name]
+        try:
+            word = format(value, form) if form else "empty" if value is None else exact(value)
+        except (ValueError, TypeError) as error:
+            raise ValueError(f"{{{name}:{form}}}: {error}") from error
+        if not word or word in (".", "..") or any(c in word for c in ("/", "\\", "\0")):
+            raise ValueError(f"{name} = {errors.shown(word)} cannot be part of a file name")
+        text += word
+    return text
+
+
+def file_names(
+    saves: Sequence[Save], axes: Sequence[overrides.Variation], points: Sequence[study_rows.Point]
+) -> list[tuple[str, ...]]:
+    """The files of each point, one for each pattern, from the current folder on."""
+    taken: dict[str, int] = {}
+    names = []
+    for number, point in enumerate(points, 1):
+        values = _fields(axes, point, number)
+        row = []
+        for save in saves:
+            try:
+                name = os.path.abspath(_filled(save.text, values, len(points)))  # noqa: PTH100
+            except ValueError as error:
+                raise errors.UsageError(f"{save.shown}: {error}") from error
+            if other := taken.get(name):
+                whose = f"points {other} and {number}" if other != number else f"point {number}"
+                fields = ", ".join(f"{{{field}}}" for field in values)
+                raise errors.UsageError(
+                    f"{save.shown}: two files of {whose} would both be named {errors.shown(name)}. "
+                    f"Use more of the fields {fields} in the file name"
+                )
+            taken[name] = number
+            row.append(name)
+        names.append(tuple(row))
+    return names
+
+
+def _fields(
+    axes: Sequence[overrides.Variation], point: study_rows.Point, number: int
+) -> dict[str, Any]:
+    fields: dict[str, Any] = {POINT: number}
+    stems = {}
+    for axis, value in zip(axes, point, strict=True):
+        fields[axis.text] = Path(value).stem if axis.is_files else value
+        if axis.is_files:
+            stems[axis.text.rpartition(".")[0]] = fields[axis.text]
+    return {**fields, **stems, **({SCENE: next(iter(stems.values()))} if len(stems) == 1 else {})}
+
+
 ALONE_S = 0.5
 """How long one process computes before it is known what the rest of the study takes."""
 _WORTH_S = 4.0  # of one process: less is done sooner than others have begun
 Reached = Callable[[int], None]
-Summarise = Callable[[StudyRows], object]
 
 
 def carry_out(
-    study: Study,
+    study: study_rows.Study,
     workers: study_rows.Workers,
     *,
     output: Path | None = None,
     fresh: bool = False,
     reached: Reached | None = None,
     cancel: threading.Event | None = None,
-    summarise: Summarise = lambda _: None,
-) -> StudyRows:
+    summaries: Sequence[Path] = (),
+) -> study_rows.StudyRows:
     """Compute the points that the journal beside `output` lacks, then write the files."""
     workers.check()
     if output is None:
         result = _collected(study, workers, {}, cancel, reached)
-        summarise(result)
+        _summarise(result, summaries)
         return result
     with study_rows.Journal(output, study.key, len(study.points), fresh=fresh) as journal:
         for row in [*journal.rows.values()]:
@@ -464,26 +432,33 @@ def carry_out(
                 del journal.rows[row.place]  # made anew: a later line of the same point holds
         try:
             result = _collected(study, workers, journal.rows, cancel, reached, journal.add)
-        except (Stopped, Cancelled) as error:
-            raise Suspended(_kept("stopped", journal, study)) from error
-        except ImagechainError as error:
+        except (Stopped, errors.Cancelled) as error:
+            raise errors.Suspended(_kept("stopped", journal, study)) from error
+        except errors.ImagechainError as error:
             error.message = _kept(error.message, journal, study)
             raise
         too_late(cancel)
         study_rows.write_columns(result.columns(), output, study.name)
-        summarise(result)
+        _summarise(result, summaries)
         journal.remove()
     return result
 
 
+def _summarise(result: study_rows.StudyRows, summaries: Sequence[Path]) -> None:
+    for path in summaries:
+        from app.study.study_drawing import write_summary  # only where there is one
+
+        write_summary(result, path)
+
+
 def _collected(
-    study: Study,
+    study: study_rows.Study,
     workers: study_rows.Workers,
     rows: dict[int, study_rows.Row],
     cancel: threading.Event | None,
     reached: Reached | None,
     keep: Callable[[list[study_rows.Row]], object] = lambda _: None,
-) -> StudyRows:
+) -> study_rows.StudyRows:
     """All rows, of which some may be there; the others are added, and kept as they come."""
     reached = reached or (lambda _: None)
     reached(len(rows))
@@ -495,7 +470,9 @@ def _collected(
             keep(made)
             rows.update((row.place, row) for row in made)
             reached(len(rows))
-    return StudyRows(study, tuple(rows[place] for place in range(len(study.points))), start_s)
+    return study_rows.StudyRows(
+        study, tuple(rows[place] for place in range(len(study.points))), start_s
+    )
 
 
 def run_study(
@@ -504,12 +481,11 @@ def run_study(
     *,
     output: str | None = None,
     summaries: Sequence[Path] = (),
-    summarise: Summarise = lambda _: None,
     fresh: bool = False,
     name: str = "",
     folder: Path = Path(),
     **asked: Any,
-) -> StudyRows:
+) -> study_rows.StudyRows:
     """A study as the command carries it out; what is `asked` is as for `make_study`."""
     library = standard_library()
     plain = plain_network(network, library=library)
@@ -519,11 +495,11 @@ def run_study(
     study = make_study(plain, name=plain.name or name, library=library, **places, **asked)
     if workers.warning:
         warnings.warn(workers.warning, UserWarning, stacklevel=2)
-    return carry_out(study, workers, output=path, summarise=summarise, fresh=fresh)
+    return carry_out(study, workers, output=path, summaries=summaries, fresh=fresh)
 
 
 def _made(
-    study: Study,
+    study: study_rows.Study,
     workers: study_rows.Workers,
     done: Mapping[int, study_rows.Row],
     cancel: threading.Event | None,
@@ -544,7 +520,7 @@ def _made(
             _setting(study, workers, study.setting.policy), study.library
         )
         if cancel is not None and cancel.is_set():
-            raise Cancelled("stopped on request")
+            raise errors.Cancelled("stopped on request")
         row = maker.row(task, cancel)
         took.append(row.seconds)
         yield [row]
@@ -558,7 +534,7 @@ def _made(
 
 
 def _by_others(
-    study: Study,
+    study: study_rows.Study,
     workers: study_rows.Workers,
     tasks: list[study_rows.Task],
     jobs: int,
@@ -574,11 +550,13 @@ def _by_others(
     return cluster_rows(setting, study.key, tasks, scheduler, cancel)
 
 
-def _setting(study: Study, workers: study_rows.Workers, policy: Policy) -> study_rows.Setting:
+def _setting(
+    study: study_rows.Study, workers: study_rows.Workers, policy: Policy
+) -> study_rows.Setting:
     return replace(study.setting, policy=policy, memory_bytes=workers.memory_bytes)
 
 
-def _kept(why: str, journal: study_rows.Journal, study: Study) -> str:
+def _kept(why: str, journal: study_rows.Journal, study: study_rows.Study) -> str:
     return (
         f"{why}; {len(journal.rows)} of {len(study.points)} points done and saved in "
         f"{journal.path}. Give the same command again to resume"

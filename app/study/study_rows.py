@@ -7,11 +7,10 @@ import io
 import json
 import math
 import os
-import re
-import string
 import threading
 import time
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple, Self
 
@@ -20,9 +19,10 @@ import numpy as np
 from app.run.option_values import Save
 from app.run.overrides import Variation
 from app.run.saving import region_of, save_value
+from app.run.staging import Staging, check_folder
 from app.run.terminal import exact
 from app.run.transfer_chain import source_images
-from app.tradeoff.tradeoff_results import Figure, PointEvaluator
+from app.tradeoff.tradeoff_results import Figure, PointEvaluator, nodes_after
 from core import errors
 from core.atomic import atomic_file, is_held, take, write_bytes, write_text
 from core.chain.engine import Engine, Plan
@@ -451,70 +451,100 @@ def _array(column: Column) -> Any:
     return np.array(column.values, dtype=kind)
 
 
-# The files of ``--save NODE.PORT=PATTERN``: a name for each point of a study.
-
-POINT, SCENE = "point", "scene"
+# A study, and its rows as a table.
 
 
-def _filled(pattern: str, values: Mapping[str, Any], points: int) -> str:
-    """A pattern with its fields filled, such as ``{point}`` or ``{NODE.PARAM:.2f}``."""
-    text = ""
-    for literal, name, spec, conversion in string.Formatter().parse(pattern):
-        text += literal
-        if name is None:
-            continue
-        if name not in values:
-            hint = errors.close(name, values) or f"; its fields: {', '.join(values)}"
-            raise ValueError(f"the study has no field {errors.shown(name)}{hint}")
-        if conversion:
-            raise ValueError("only a number format may follow a field's name")
-        if re.search("[0-9]{4}", spec or ""):
-            raise ValueError(f"{{{name}:{spec:.20}}}: at most 999 characters or digits are allowed")
-        # Zeros lead a point's number where it has no format.
-        form = spec or (f"0{len(str(points))}d" if name == POINT else "")
-        value = values[name]
-        try:
-            word = format(value, form) if form else "empty" if value is None else exact(value)
-        except (ValueError, TypeError) as error:
-            raise ValueError(f"{{{name}:{form}}}: {error}") from error
-        if not word or word in (".", "..") or any(c in word for c in ("/", "\\", "\0")):
-            raise ValueError(f"{name} = {errors.shown(word)} cannot be part of a file name")
-        text += word
-    return text
+def order_of(axes: Sequence[Variation], points: Sequence[Point], network: Network) -> list[int]:
+    """The places in the order that repeats least: what few nodes hang on moves first."""
+    touched = [len(nodes_after(network, axis.node)) for axis in axes]
+    outwards = sorted(range(len(axes)), key=lambda place: -touched[place])
+    ranks = [{value: rank for rank, value in enumerate(axis.values)} for axis in axes]
+
+    def rank(place: int) -> tuple[int, ...]:
+        point = points[place]
+        return tuple(ranks[axis][point[axis]] for axis in outwards)
+
+    return sorted(range(len(points)), key=rank)
 
 
-def file_names(
-    saves: Sequence[Save], axes: Sequence[Variation], points: Sequence[Point]
-) -> list[tuple[str, ...]]:
-    """The files of each point, one for each pattern, from the current folder on."""
-    taken: dict[str, int] = {}
-    names = []
-    for number, point in enumerate(points, 1):
-        values = _fields(axes, point, number)
-        row = []
-        for save in saves:
-            try:
-                name = os.path.abspath(_filled(save.text, values, len(points)))  # noqa: PTH100
-            except ValueError as error:
-                raise errors.UsageError(f"{save.shown}: {error}") from error
-            if other := taken.get(name):
-                whose = f"points {other} and {number}" if other != number else f"point {number}"
-                fields = ", ".join(f"{{{field}}}" for field in values)
-                raise errors.UsageError(
-                    f"{save.shown}: two files of {whose} would both be named {errors.shown(name)}. "
-                    f"Use more of the fields {fields} in the file name"
-                )
-            taken[name] = number
-            row.append(name)
-        names.append(tuple(row))
-    return names
+@dataclass(frozen=True)
+class Study:
+    name: str  # of the network
+    setting: Setting  # what all points have in common
+    library: Library  # the modules
+    axes: tuple[Variation, ...]  # what varies
+    points: tuple[Point, ...]  # A value for each axis
+    files: list[tuple[str, ...]]  # the saved pictures, by point
+
+    @property
+    def figures(self) -> tuple[Figure, ...]:
+        return self.setting.figures
+
+    @cached_property
+    def order(self) -> list[int]:
+        return order_of(self.axes, self.points, self.setting.network)
+
+    @property
+    def inputs(self) -> list[Path]:
+        nodes, folder = self.setting.network.nodes.values(), self.setting.folder
+        own = [file for node in nodes for file in input_paths(node, self.library, folder)]
+        return [*own, *(Path(v) for axis in self.axes for v in axis.values if v in axis.names)]
+
+    @cached_property
+    def key(self) -> str:
+        """Content key: of two studies with one key all rows are the same."""
+        return content_key(
+            network_key(self.setting.network, self.setting, self.library),
+            tuple(axis.text for axis in self.axes),
+            self.points,
+            tuple((figure.text, figure.unit, figure.by_default) for figure in self.figures),
+            tuple((save.port, save.bounds) for save in self.setting.saves),
+            tuple(self.files),
+            tuple(file_stamp(file) for file in self.inputs),
+        )
+
+    def check_places(self, outputs: Sequence[Path], read: Sequence[Path] = ()) -> None:
+        inputs = [*read, *self.inputs]
+        with Staging(None, inputs) as staging:
+            for path in outputs:
+                staging.claim(path)
+                staging.check(path.with_name(path.name + SUFFIX))
+            for folder in dict.fromkeys(Path(name).parent for row in self.files for name in row):
+                check_folder(folder)
+            taken = {str(path.absolute()) for path in (*outputs, *inputs)}
+            taken |= {str(path.absolute()) + SUFFIX for path in outputs}
+            for row in self.files:
+                for save, name in zip(self.setting.saves, row, strict=True):
+                    if name in taken:
+                        raise errors.UsageError(
+                            f"{save.shown}: {errors.shown(name)} is already a file "
+                            "of this study; choose another name"
+                        )
 
 
-def _fields(axes: Sequence[Variation], point: Point, number: int) -> dict[str, Any]:
-    fields: dict[str, Any] = {POINT: number}
-    stems = {}
-    for axis, value in zip(axes, point, strict=True):
-        fields[axis.text] = Path(value).stem if axis.is_files else value
-        if axis.is_files:
-            stems[axis.text.rpartition(".")[0]] = fields[axis.text]
-    return {**fields, **stems, **({SCENE: next(iter(stems.values()))} if len(stems) == 1 else {})}
+@dataclass(frozen=True)
+class StudyRows:
+    study: Study  # what was wanted
+    rows: tuple[Row, ...]  # by point
+    start_s: float = 0.0  # what the start of workers took, which is no row's
+
+    @property
+    def failed(self) -> list[Row]:
+        return [row for row in self.rows if row.error]
+
+    def columns(self) -> list[Column]:
+        """The rows as a table, without the default figures that have no value at any point."""
+        study = self.study
+        columns = [Column("point", "", [row.place + 1 for row in self.rows])]
+        for number, axis in enumerate(study.axes):
+            values = [axis.shown(study.points[row.place][number]) for row in self.rows]
+            columns.append(Column(axis.text, axis.unit, values))
+        for number, figure in enumerate(study.figures):
+            values = [row.figures[number] for row in self.rows]
+            if not figure.by_default or any(value is not None for value in values):
+                columns.append(Column(figure.text, figure.unit, values))
+        columns.append(Column("key", "", [row.key for row in self.rows]))
+        columns.append(Column("seconds", "s", [row.seconds for row in self.rows]))
+        columns.append(Column("error", "", [row.error for row in self.rows]))
+        columns.append(Column("warnings", "", ["; ".join(row.warnings) for row in self.rows]))
+        return columns

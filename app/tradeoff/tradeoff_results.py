@@ -128,10 +128,9 @@ def named_figure(option: str, text: str, network: Network, library: Library) -> 
 
 @dataclass(frozen=True)
 class Point:
-    """The figures at values of both parameters; `absent` ones were computed and have no number."""
+    """The figures at a value of each axis; `absent` ones were computed and have no number."""
 
-    value: Any = None
-    second: Any = None
+    values: tuple[Any, ...] = ()
     figures: Mapping[str, float] = field(default_factory=dict)
     reasons: Mapping[str, str] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
@@ -229,15 +228,14 @@ ROUNDING = 1e-5
 @dataclass(frozen=True)
 class Results:
     network: str  # name of the network
-    varied: Variation  # what moves along the axis
-    second: Variation | None  # what differs from curve to curve
+    axes: tuple[Variation, ...]  # what differs from curve to curve, and what moves along them
     figures: tuple[Figure, ...]  # the figures shown
     points: tuple[Point, ...]  # curve after curve
     present: Any = None  # the value in the network as it stands
 
     @property
-    def axes(self) -> tuple[Variation, ...]:
-        return (self.varied,) if self.second is None else (self.varied, self.second)
+    def along(self) -> Variation:
+        return self.axes[-1]
 
     def why_nothing(self) -> str | None:
         """Why no point has a figure that is shown, as far as known; None where one has."""
@@ -249,11 +247,9 @@ class Results:
         return gaps[0] if gaps else ""
 
     @property
-    def curves(self) -> list[tuple[Any, tuple[Point, ...]]]:
-        """The points at each value of the second parameter; None where there is no second."""
-        count = len(self.varied.values)
-        seconds = (None,) if self.second is None else self.second.values
-        return [(v, self.points[n * count : (n + 1) * count]) for n, v in enumerate(seconds)]
+    def curves(self) -> list[tuple[Point, ...]]:
+        count = len(self.along.values)
+        return [self.points[at : at + count] for at in range(0, len(self.points), count)]
 
     def reasons(self, point: Point) -> list[str]:
         """Why figures that are shown have no value at a point."""
@@ -267,10 +263,8 @@ class Results:
         return [(self._place(point), line) for point in self.points for line in point.warnings]
 
     def _place(self, point: Point) -> str:
-        place = f"{self.varied.text} = {shown_value(point.value, self.varied.unit)}"
-        if self.second is not None:
-            place += f", {self.second.text} = {shown_value(point.second, self.second.unit)}"
-        return place
+        pairs = [*zip(self.axes, point.values, strict=True)][::-1]
+        return ", ".join(f"{axis.text} = {shown_value(value, axis.unit)}" for axis, value in pairs)
 
 
 def changing_figures(figures: Sequence[Figure], points: Sequence[Point]) -> tuple[Figure, ...]:
@@ -372,25 +366,23 @@ def points_at(
     places: Iterable[tuple[Any, ...]],
     figures: Sequence[Figure],
 ) -> Iterator[Point]:
-    """Evaluate place by place, each with a value for every parameter, the second first."""
+    """Evaluate place by place, each with a value for every parameter."""
     evaluator = PointEvaluator(engine, plan, targets, figures)
     for values in places:
         work.check()
-        where = {"value": values[-1], "second": values[0] if len(values) > 1 else None}
         try:
             at = evaluator.planned(values)
             found = evaluator.figures_of(at, work)
-            yield replace(found, **where, warnings=evaluator.warnings_of(at, work))
+            yield replace(found, values=values, warnings=evaluator.warnings_of(at, work))
         except errors.ParameterError as error:
-            yield Point(**where, reasons={figure.text: str(error) for figure in figures})
+            yield Point(values, reasons={figure.text: str(error) for figure in figures})
 
 
 def trade_off(
     engine: Engine,
     plan: Plan,
     work: Work,
-    varied: Variation,
-    second: Variation | None,
+    axes: tuple[Variation, ...],
     figures: tuple[Figure, ...],
     *,
     name: str,
@@ -398,7 +390,7 @@ def trade_off(
     reached: Callable[[int], object],
 ) -> Results:
     """Evaluate a network at every value; a failure leaves a gap with its reason."""
-    axes = [varied] if second is None else [second, varied]
+    along = axes[-1]
     targets = [(axis.node, axis.parameter.name) for axis in axes]
     places = itertools.product(*(axis.values for axis in axes))
     points = []
@@ -406,10 +398,10 @@ def trade_off(
         points.append(point)
         reached(len(points))
     if by_default:
-        figures = changing_figures([f for f in figures if f.text != varied.text], points)
-    default = None if varied.parameter.required else varied.parameter.default
-    present = plan.node(varied.node).node.params.get(varied.parameter.name, default)
-    return Results(name, varied, second, figures, tuple(points), present)
+        figures = changing_figures([f for f in figures if f.text != along.text], points)
+    default = None if along.parameter.required else along.parameter.default
+    present = plan.node(along.node).node.params.get(along.parameter.name, default)
+    return Results(name, axes, figures, tuple(points), present)
 
 
 def with_value(network: Network, engine: Engine, node: str, parameter: str, value: Any) -> Network:

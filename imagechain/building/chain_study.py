@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.run.option_values import save_target, summary_path
-from app.study.study_request import StudyRows, run_study
+from app.study.study_request import run_study
 from app.study.study_rows import Workers
 from core.errors import UsageError
 from core.evaluation.work import Policy, Precision
@@ -115,14 +115,6 @@ def study(
                 f"{name} = {count!r:.80} is not allowed: must be a whole number, 0 or more"
             )
     files = _texts("summary", summary, str | PathLike, "a file, or a list of files")
-    pages = [summary_path("--summary", fspath(path)) for path in files]
-
-    def summarise(result: StudyRows) -> None:
-        for page in pages:
-            from app.study.study_drawing import write_summary  # which takes matplotlib to load
-
-            write_summary(result, page)
-
     own = chain if isinstance(chain, Chain) else open_chain(chain)
     file = own._state.file
     rows = run_study(
@@ -132,8 +124,7 @@ def study(
         folder=own.folder,
         read=[] if file is None else [file],
         output=None if output is None else fspath(output),
-        summaries=pages,
-        summarise=summarise,
+        summaries=[summary_path("--summary", fspath(path)) for path in files],
         fresh=fresh,
         vary={label: _values(label, values) for label, values in (vary or {}).items()},
         over=[f"{label}={pattern}" for label, pattern in (over or {}).items()],

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from pandas import DataFrame
     from xarray import DataArray
 
-    from app.study.study_request import StudyRows
+    from app.study.study_rows import StudyRows
 
 Vector = NDArray[np.float64]
 Value = TypeVar("Value")

@@ -108,7 +108,7 @@ class TradeOffView(Viewer):
             return ""
         points = tuple(self.points[value] for value in sorted(self.points))
         varied = Variation(self.varied.node, parameter, tuple(sorted(self.points)), span.log)
-        return csv_text(Results(self.session.network.name, varied, None, self.shown, points))
+        return csv_text(Results(self.session.network.name, (varied,), self.shown, points))
 
     def queries(self) -> tuple[Query, ...]:
         if self.span is None or not self.shown:
@@ -125,7 +125,7 @@ class TradeOffView(Viewer):
         if state != self._state:
             self._state = state
             self.points.clear()
-        self.points.update({point.value: point for point in points})
+        self.points.update({point.values[0]: point for point in points})
         self._draw()
 
     def follow(self, before: Network, after: Network) -> None:

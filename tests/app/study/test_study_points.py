@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from app.run.option_values import save_target
-from app.study.study_request import files_axis, natural, order_of, sampled
-from app.study.study_rows import file_names
+from app.study.study_request import file_names, files_axis, natural, sampled
+from app.study.study_rows import order_of
 from core.errors import ImagechainError
 from core.network.file import load_network
 from nodes.library import standard_library

@@ -71,7 +71,7 @@ def test_a_point_is_what_the_network_gives_with_that_value(network):
     points, _ = swept(network, "blur", "sigma_x_mrad", [0.1, 2.0], name)
     for point in points:
         engine = Engine(LIBRARY)
-        plan = engine.plan(network.with_parameter("blur", "sigma_x_mrad", point.value))
+        plan = engine.plan(network.with_parameter("blur", "sigma_x_mrad", point.values[0]))
         found = engine.readouts(plan, "electronics", engine.work(Policy()))
         assert point.figures[name] == found["snr"]
 
