@@ -9,18 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from app.bench import truth
+from app.bench import timing, truth
 from app.bench.tables import T0_HEADS, Chart, Table, figure_text
-from app.bench.timing import (
-    PIXELS,
-    Chain,
-    Kodak,
-    Settings,
-    paired,
-    round_trip,
-    seconds,
-    sensor_network,
-)
 from core.chain.back_transformed import Delivered
 from core.chain.random_fields import Stream, normal_field, poisson_field
 from core.evaluation.work import Policy, Precision
@@ -46,16 +36,16 @@ STRENGTHS = tuple(0.4 * 10.0**decade for decade in range(-9, -1) for _ in range(
 TOLERANCES = (0.0, None, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2)
 
 
-def precision(settings: Settings) -> list[Table]:
-    single = Kodak(settings.small)
+def precision(settings: timing.Settings) -> list[Table]:
+    single = timing.Kodak(settings.small)
     scene = single.scene
     expected = truth.mirrored_picture(scene, truth.Sensor(_grid(single).interval_x_mrad))
     rows = []
     for kind in PRECISIONS:
         # The same samples for both, so that drawing in another precision is no error.
-        kodak = Kodak(settings.small, kind, scene)
+        kodak = timing.Kodak(settings.small, kind, scene)
         quiet = kodak.without_photons()
-        mean = float(kodak.value(quiet, PIXELS).mean(dtype=np.float64))
+        mean = float(kodak.value(quiet, timing.PIXELS).mean(dtype=np.float64))
         wrong = abs(mean / float(expected.mean()) - 1)
         row = _of_picture(kodak, quiet, expected, scene, settings)
         rows.append({"choice": kind, **row, "mean_error": wrong})
@@ -70,8 +60,8 @@ def precision(settings: Settings) -> list[Table]:
     return [Table("precision", title, heads, rows, text, Chart("largest error", "choice"))]
 
 
-def edges(settings: Settings) -> list[Table]:
-    kodak = Kodak(settings.small)
+def edges(settings: timing.Settings) -> list[Table]:
+    kodak = timing.Kodak(settings.small)
     scene, sensor = kodak.scene, truth.Sensor(_grid(kodak).interval_x_mrad)
     mirrored = truth.mirrored_picture(scene, sensor)
     rows = []
@@ -98,17 +88,17 @@ def edges(settings: Settings) -> list[Table]:
 
 
 def _of_picture(
-    kodak: Kodak, network: Network, expected: Array, scene: Array, settings: Settings
+    kodak: timing.Kodak, network: Network, expected: Array, scene: Array, settings: timing.Settings
 ) -> Row:
-    t0 = round_trip(scene, kodak.policy.workers)
-    timing = paired(partial(kodak.cold, network, PIXELS), t0, pairs=settings.pairs)
-    wrong = np.abs(kodak.value(network, PIXELS) - expected).max() / np.abs(expected).max()
-    return {**timing, "error": float(wrong)}
+    t0 = timing.round_trip(scene, kodak.policy.workers)
+    took = timing.paired(partial(kodak.cold, network, timing.PIXELS), t0, pairs=settings.pairs)
+    wrong = np.abs(kodak.value(network, timing.PIXELS) - expected).max() / np.abs(expected).max()
+    return {**took, "error": float(wrong)}
 
 
 @dataclass(frozen=True)
 class Otf:
-    kodak: Kodak
+    kodak: timing.Kodak
     network: Network
 
     @cached_property
@@ -181,9 +171,9 @@ def pupil_network(network: Network, shape: str, size: int, sampled: str = "") ->
     return network
 
 
-def pupil_sampling(settings: Settings) -> list[Table]:
-    kodak = Kodak(settings.small)
-    t0 = round_trip(kodak.scene, kodak.policy.workers)
+def pupil_sampling(settings: timing.Settings) -> list[Table]:
+    kodak = timing.Kodak(settings.small)
+    t0 = timing.round_trip(kodak.scene, kodak.policy.workers)
     rows = []
     kinds = ("clear", "bilinear"), ("half_moon", "bilinear"), ("half_moon", "linear")
     for shape, how in kinds:
@@ -191,9 +181,9 @@ def pupil_sampling(settings: Settings) -> list[Table]:
             network = pupil_network(kodak.network, shape, size or 512, how if size else "")
             otf, method = Otf(kodak, network), how if size else "exact"
             row = {"shape": shape, "method": method, "choice": f"{size}²" if size else "exact"}
-            timing = paired(otf.direct, t0, pairs=settings.slow_pairs, warm_up=1)
+            took = timing.paired(otf.direct, t0, pairs=settings.slow_pairs, warm_up=1)
             error = otf.error(shape)
-            rows.append({**row, "curve": f"{shape}, {method}", **timing, "error": error})
+            rows.append({**row, "curve": f"{shape}, {method}", **took, "error": error})
     heads = {"shape": "pupil", "method": "method", "choice": "OTF", **T0_HEADS}
     heads["error"] = "largest error"
     text = (
@@ -209,18 +199,18 @@ def pupil_sampling(settings: Settings) -> list[Table]:
     return [Table("pupil_sampling", title, heads, rows, text, chart)]
 
 
-def _sizes(settings: Settings) -> tuple[int, ...]:
+def _sizes(settings: timing.Settings) -> tuple[int, ...]:
     return (64, 128, 256) if settings.quick else (64, 128, 256, 512, 1024)
 
 
-def wavelengths(settings: Settings) -> list[Table]:
+def wavelengths(settings: timing.Settings) -> list[Table]:
     mp = truth.mpmath()
     title = f"Wavelengths for the band 3 to 5 µm, {settings.small}² frequencies"
     heads = {"aperture": "aperture", "choice": "wavelengths", **T0_HEADS, "error": "largest error"}
     if mp is None:
         return [Table("wavelengths", title, heads, [], truth.NEEDS_MPMATH)]
-    kodak = Kodak(settings.small)
-    t0 = round_trip(kodak.scene, kodak.policy.workers)
+    kodak = timing.Kodak(settings.small)
+    t0 = timing.round_trip(kodak.scene, kodak.policy.workers)
     nyquist = _grid(kodak).nyquist_x
     xi = np.linspace(0.0, nyquist, 17)
     sample_mm = ARRAY_MM / 512
@@ -236,9 +226,9 @@ def wavelengths(settings: Settings) -> list[Table]:
             network = kodak.network.with_parameter("pupil", "radius", radius)
             otf = Otf(kodak, network.with_parameter("optics", "wavelengths", count))
             computed = otf.factor.transfer(kodak.work, xi, np.zeros_like(xi))
-            timing = paired(otf.plane, t0, pairs=3, warm_up=1)
+            took = timing.paired(otf.plane, t0, pairs=3, warm_up=1)
             error = float(np.abs(computed - np.array(means)).max())
-            rows.append({"aperture": aperture, "choice": count, **timing, "error": error})
+            rows.append({"aperture": aperture, "choice": count, **took, "error": error})
     text = (
         "By default, only the band's middle wavelength is used: over the picture's frequencies, "
         "the OTF of an aperture such as Kodak's is almost linear in λ. Use more wavelengths if the "
@@ -249,15 +239,15 @@ def wavelengths(settings: Settings) -> list[Table]:
     return [Table("wavelengths", title, heads, rows, text, chart)]
 
 
-def charge_transfer(settings: Settings) -> list[Table]:
+def charge_transfer(settings: timing.Settings) -> list[Table]:
     title = "Charge transfer: H = MTF·exp(i·PTF) compared with the product of all transfers"
     heads = {"choice": "model", "setting": "N(1 − ε)", "t0": "T0", "mtf": "error of MTF"}
     heads |= {"ptf": "error of PTF, rad", "error": "error of H"}
     mp = truth.mpmath()
     if mp is None:
         return [Table("charge_transfer", title, heads, [], truth.NEEDS_MPMATH)]
-    kodak = Kodak(settings.small)
-    t0 = round_trip(kodak.scene, kodak.policy.workers)
+    kodak = timing.Kodak(settings.small)
+    t0 = timing.round_trip(kodak.scene, kodak.policy.workers)
     w, full = np.linspace(0.0, math.pi, 65), np.linspace(0.0, math.pi, settings.small)
     rows = []
     for transfers, efficiency in TRANSFERS:
@@ -266,14 +256,14 @@ def charge_transfer(settings: Settings) -> list[Table]:
         for model in MODELS:
             how: Any = {"transfers": transfers, "efficiency": float(efficiency), "model": model}
             found, turned = _charge_transfer(w, how)
-            subject = partial(seconds, partial(_charge_transfer, full, how))
-            timing = paired(subject, t0, pairs=settings.pairs)
+            subject = partial(timing.seconds, partial(_charge_transfer, full, how))
+            took = timing.paired(subject, t0, pairs=settings.pairs)
             wrong = np.abs(found * np.exp(1j * turned) - mtf * np.exp(1j * ptf))
             setting = f"{transfers} × {figure_text(1 - float(efficiency))}"
             row: Row = {"choice": model, "setting": setting}
             errors = {"mtf": np.abs(found - mtf), "ptf": np.abs(turned - ptf), "error": wrong}
             row |= {name: float(values.max()) for name, values in errors.items()}
-            rows.append(row | timing)
+            rows.append(row | took)
     text = (
         "Exact is the default: its transfer function along one axis takes almost no time compared "
         "with filtering the picture. The published phase follows a different formula, whose series "
@@ -289,10 +279,10 @@ def _charge_transfer(w: Array, how: Any) -> tuple[Any, Any]:
     return mtf, charge_transfer_ptf(phase_per_transfer=w, **how)
 
 
-def poisson(settings: Settings) -> list[Table]:
-    kodak = Kodak(settings.size)
+def poisson(settings: timing.Settings) -> list[Table]:
+    kodak = timing.Kodak(settings.size)
     shape, workers, for_each = kodak.scene.shape, kodak.policy.workers, kodak.work.for_each
-    t0 = round_trip(kodak.scene, workers)
+    t0 = timing.round_trip(kodak.scene, workers)
     chance = CHANCE / math.sqrt(kodak.scene.size)
     stream = Stream(seed=1996, node="photons", field="photons")
     rows = []
@@ -305,10 +295,12 @@ def poisson(settings: Settings) -> list[Table]:
         }
         for choice, subject in subjects.items():
             counts = np.asarray(subject())
-            timing = paired(partial(seconds, subject), t0, pairs=settings.slow_pairs, warm_up=1)
+            took = timing.paired(
+                partial(timing.seconds, subject), t0, pairs=settings.slow_pairs, warm_up=1
+            )
             plain = choice == "exact, numpy"
             row = {"choice": choice, "mean": mean, "mark": None if plain else f"{mean:g}"}
-            row |= {"threads": 1 if plain else workers, "chance": chance, **timing}
+            row |= {"threads": 1 if plain else workers, "chance": chance, **took}
             row |= {"error": truth.kolmogorov_distance(counts, mean)}
             rows.append(row | {"variance": float(counts.var(dtype=np.float64)) / mean - 1.0})
     heads = {"choice": "deviates", "mean": "mean", "threads": "threads", **T0_HEADS}
@@ -338,20 +330,22 @@ def _rounded_normal(means: Array, stream: Stream, for_each: ForEach) -> Array:
     return np.maximum(counts, 0, out=counts)
 
 
-def skipping(settings: Settings) -> list[Table]:
+def skipping(settings: timing.Settings) -> list[Table]:
     network, sensor = weak_chain(settings.small)
-    first = Chain(network, Policy(tolerance=0.0))
+    first = timing.Chain(network, Policy(tolerance=0.0))
     expected = truth.mirrored_frame(first.scene, sensor)
-    t0 = round_trip(first.scene, first.policy.workers)
+    t0 = timing.round_trip(first.scene, first.policy.workers)
     rows = []
     for kind in PRECISIONS:
         for tolerance in TOLERANCES:
-            chain = Chain(network, Policy(kind, tolerance), first.scene)
-            timing = paired(partial(chain.cold, network, "back.image"), t0, pairs=settings.pairs)
+            chain = timing.Chain(network, Policy(kind, tolerance), first.scene)
+            took = timing.paired(
+                partial(chain.cold, network, "back.image"), t0, pairs=settings.pairs
+            )
             error, skipped = left_out(chain, expected)
             shown = "default" if tolerance is None else figure_text(tolerance)
             row = {"precision": kind, "tolerance": chain.policy.budget, "skipped": skipped}
-            rows.append({**row, "mark": f"{shown} ({skipped})", **timing, "error": error})
+            rows.append({**row, "mark": f"{shown} ({skipped})", **took, "error": error})
     heads = {"precision": "precision", "tolerance": "tolerance", **T0_HEADS}
     heads |= {
         "skipped": f"stages left out (of {len(STRENGTHS)})",
@@ -369,7 +363,7 @@ def skipping(settings: Settings) -> list[Table]:
     return [Table("skipping", title, heads, rows, text, chart)]
 
 
-def left_out(chain: Chain, expected: Array) -> tuple[float, int]:
+def left_out(chain: timing.Chain, expected: Array) -> tuple[float, int]:
     """Rms error over the range, and how many stages were left out."""
     recipe = chain.engine.plan(chain.network).output("back.image").recipe
     assert isinstance(recipe, Delivered)
@@ -392,10 +386,10 @@ def weak_chain(size: int) -> tuple[Network, truth.Sensor]:
         blur = {"sigma_x_mrad": sigma, "sigma_y_mrad": sigma}
         stages[f"blur_{number}"] = ("gaussian_mtf", blur)
     disc = (sensor.aperture_mm, sensor.wavelength_um)
-    return sensor_network(("test_scene", scene), init, stages, disc=disc), sensor
+    return timing.sensor_network(("test_scene", scene), init, stages, disc=disc), sensor
 
 
-def _grid(kodak: Kodak, network: Network | None = None) -> Grid:
+def _grid(kodak: timing.Kodak, network: Network | None = None) -> Grid:
     grid = kodak.engine.plan(network or kodak.network).output("init.context").grid
     assert isinstance(grid, Grid)
     return grid

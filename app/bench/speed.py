@@ -10,21 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from app.bench import timing
 from app.bench.tables import Chart, Table, judged
-from app.bench.timing import (
-    FINAL,
-    KODAK,
-    PIXELS,
-    SHIPPED_SIZE,
-    Chain,
-    Kodak,
-    Settings,
-    environment,
-    paired,
-    repeated,
-    round_trip,
-    seconds,
-)
 from app.run.terminal import command
 from core.errors import several
 
@@ -40,8 +27,8 @@ SNRS = tuple(100.0 + step for step in range(1, 32))
 LOOKS = 20  # repetitions of what takes microseconds
 
 
-def networks(settings: Settings) -> list[Table]:
-    kodak = Kodak(settings.size)
+def networks(settings: timing.Settings) -> list[Table]:
+    kodak = timing.Kodak(settings.size)
     rows = [*_cold_and_edited(kodak, settings), _plain(kodak, settings)]
     rows += [_unchanged(kodak, settings)]
     title = f"Kodak KIR-310, {settings.size}² → {settings.size // 2}², single precision"
@@ -55,8 +42,8 @@ def networks(settings: Settings) -> list[Table]:
     return [Table("networks", title, HEADS, rows, text, chart)]
 
 
-def one_thread(settings: Settings) -> list[Table]:
-    rows = _cold_and_edited(Kodak(settings.size, threads=1), settings)
+def one_thread(settings: timing.Settings) -> list[Table]:
+    rows = _cold_and_edited(timing.Kodak(settings.size, threads=1), settings)
     title = f"Whole chain and edits on one thread, {settings.size}² → {settings.size // 2}²"
     text = (
         "T0 is measured on one thread. The work between the large loops (planning, noise, "
@@ -66,32 +53,32 @@ def one_thread(settings: Settings) -> list[Table]:
     return [Table("one_thread", title, HEADS, rows, text)]
 
 
-def _cold_and_edited(kodak: Kodak, settings: Settings) -> list[Any]:
+def _cold_and_edited(kodak: timing.Kodak, settings: timing.Settings) -> list[Any]:
     whole, quiet = kodak.network, kodak.without_photons()
-    sensor, read = ("electronics",), partial(kodak.cold, whole, FINAL, tuple(whole.nodes))
+    sensor, read = ("electronics",), partial(kodak.cold, whole, timing.FINAL, tuple(whole.nodes))
     cold: list[Subject] = [
-        ("whole network", partial(kodak.cold, whole, FINAL, sensor), 5.0, 2.5),
+        ("whole network", partial(kodak.cold, whole, timing.FINAL, sensor), 5.0, 2.5),
         ("whole network, with read-outs of every node", read, 5.0, 2.5),
-        ("without photon noise", partial(kodak.cold, quiet, FINAL, sensor), 4.0, 2.0),
-        ("optics alone, pixels combined", partial(kodak.cold, quiet, PIXELS), 2.2, 1.2),
+        ("without photon noise", partial(kodak.cold, quiet, timing.FINAL, sensor), 4.0, 2.0),
+        ("optics alone, pixels combined", partial(kodak.cold, quiet, timing.PIXELS), 2.2, 1.2),
     ]
     rows = timed(kodak, cold, settings)
-    warm = kodak.left_by(FINAL)
+    warm = kodak.left_by(timing.FINAL)
     mtf, snr = ("aberration", "sigma_x_mrad", SIGMAS), ("electronics", "amplifier_snr", SNRS)
     bits = ("electronics", "bits", (4, 8, 12, 16, 24))
     edits: list[Subject] = [
-        ("edit of an MTF (aberration)", partial(kodak.edited, FINAL, warm, mtf), 2.0, 1.0),
-        ("edit of the amplifier's SNR", partial(kodak.edited, FINAL, warm, snr), 0.5, 0.25),
-        ("edit of the number of bits", partial(kodak.edited, FINAL, warm, bits), 0.5, 0.25),
+        ("edit of an MTF (aberration)", partial(kodak.edited, timing.FINAL, warm, mtf), 2.0, 1.0),
+        ("edit of the amplifier's SNR", partial(kodak.edited, timing.FINAL, warm, snr), 0.5, 0.25),
+        ("edit of the number of bits", partial(kodak.edited, timing.FINAL, warm, bits), 0.5, 0.25),
     ]
     return rows + timed(kodak, edits, settings)
 
 
-def timed(chain: Chain, subjects: list[Subject], settings: Settings) -> list[Any]:
-    t0 = round_trip(chain.scene, chain.policy.workers)
+def timed(chain: timing.Chain, subjects: list[Subject], settings: timing.Settings) -> list[Any]:
+    t0 = timing.round_trip(chain.scene, chain.policy.workers)
     rows = []
     for name, subject, reach, aim in subjects:
-        facts = paired(subject, t0, pairs=settings.pairs)
+        facts = timing.paired(subject, t0, pairs=settings.pairs)
         rows.append(_row(name, facts, reach, aim) | {"threads": chain.policy.workers})
     return rows
 
@@ -101,37 +88,39 @@ def _row(name: str, facts: dict[str, Any], reach: float | None, aim: float | Non
     return {"subject": name, "value": value, "unit": "T0", **facts, **judged(value, reach, aim)}
 
 
-def _plain(kodak: Kodak, settings: Settings) -> Any:
+def _plain(kodak: timing.Kodak, settings: timing.Settings) -> Any:
     """In double precision, numpy's default."""
     grabber = kodak.network.nodes["frame_grabber"].params
     subject = partial(whole_chain, kodak.scene, grabber["height"], grabber["width"], 1996)
-    t0 = round_trip(kodak.scene, kodak.policy.workers)
-    timing = paired(partial(seconds, subject), t0, pairs=settings.slow_pairs, warm_up=1)
+    t0 = timing.round_trip(kodak.scene, kodak.policy.workers)
+    took = timing.paired(partial(timing.seconds, subject), t0, pairs=settings.slow_pairs, warm_up=1)
     name = "stage by stage as in 1996, numpy, no photon noise"
-    return _row(name, timing, None, None)
+    return _row(name, took, None, None)
 
 
-def _unchanged(kodak: Kodak, settings: Settings) -> Any:
-    kodak.value(kodak.network, FINAL)
+def _unchanged(kodak: timing.Kodak, settings: timing.Settings) -> Any:
+    kodak.value(kodak.network, timing.FINAL)
     before = kodak.engine.plan(kodak.network)
     per_node = 1e6 / len(kodak.network.nodes)
-    again = partial(kodak.looked_at_again, FINAL, before, kodak.network)
+    again = partial(kodak.looked_at_again, timing.FINAL, before, kodak.network)
     times_us = [again() * per_node for _ in range(settings.pairs * LOOKS)]
     low, middle, high = statistics.quantiles(times_us, n=4)
     row = {"subject": "nothing changed", "value": middle, "unit": "µs per node"}
     return {**row, "low": low, "high": high, **judged(middle, 50.0)}
 
 
-def fresh_process(settings: Settings) -> list[Table]:
+def fresh_process(settings: timing.Settings) -> list[Table]:
     with tempfile.TemporaryDirectory() as folder:
-        words = command("app.command.cli", "run", KODAK, "--output-dir", f"{folder}/out")
-        if settings.size != SHIPPED_SIZE:
+        words = command("app.command.cli", "run", timing.KODAK, "--output-dir", f"{folder}/out")
+        if settings.size != timing.SHIPPED_SIZE:
             words += ["--set", f"scene.width={settings.size}"]
             words += ["--set", f"scene.height={settings.size}"]
-        run = partial(subprocess.run, words, cwd=folder, env=environment(), capture_output=True)
+        run = partial(
+            subprocess.run, words, cwd=folder, env=timing.environment(), capture_output=True
+        )
         starts = 1 if settings.quick else 5
-        took = repeated(lambda: run(check=True), starts)
-    row = {"subject": f"imagechain run {KODAK}", "value": took["seconds"], "unit": "s"}
+        took = timing.repeated(lambda: run(check=True), starts)
+    row = {"subject": f"imagechain run {timing.KODAK}", "value": took["seconds"], "unit": "s"}
     row |= {"low": took["low"], "high": took["high"], **judged(took["seconds"], 1.2, 0.6)}
     heads = {n: h for n, h in HEADS.items() if not n.endswith("ms")}
     heads |= {"low": "least", "high": "most"}

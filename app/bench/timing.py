@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 
 from app.run import terminal
 from app.run.shipped import find_network
-from app.run.terminal import versions
 from core.chain.engine import Engine, Plan
 from core.errors import UsageError
 from core.evaluation.recipes import Store
@@ -133,7 +132,7 @@ def machine_facts() -> dict[str, Any]:
         "load": os.getloadavg()[0],
         "system": platform.platform(),
         "fft": backend(),
-        "versions": versions(),
+        "versions": terminal.versions(),
     }
 
 

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from app.command import options
-from app.command.options import Progress, check_stop, show, written
 from app.run import option_values as values
 from app.run.terminal import Stop
 from core.errors import in_line
@@ -83,16 +82,16 @@ def measure(
     inputs = [*pictures, *([dark] if dark is not None else [])]
 
     def made() -> PictureMeasurement:
-        with Progress(len(inputs)) as progress:
-            how: Any = {"check": partial(check_stop, stop), "report": progress}
+        with options.Progress(len(inputs)) as progress:
+            how: Any = {"check": partial(options.check_stop, stop), "report": progress}
             return measure_files(pictures, dark=dark, **known, **how)
 
     outputs = [path for path in (json, csv, report) if isinstance(path, Path)]
-    measured = written(outputs, inputs, stop, made, measurement_text)
+    measured = options.written(outputs, inputs, stop, made, measurement_text)
     rows = [*figure_rows(measured), *frame_rows(measured)]
     lines = map(in_line, (*remarks(measured), *refused_lines(measured)))
     facts = partial(json_module.loads, measurement_json(measured))
-    show(json, facts, columns(rows, right=(1,)), *lines)
+    options.show(json, facts, columns(rows, right=(1,)), *lines)
 
 
 @options.command()
@@ -159,7 +158,7 @@ def fit(
     work = engine.work(policy, cancel=stop)
 
     def made() -> FitResult:
-        with Progress(3) as progress:
+        with options.Progress(3) as progress:
             return fit_pictures(
                 engine, plan, work, free=fitted_parameters,
                 pictures=opened_pictures(pictures, band=band), report=progress,
@@ -181,8 +180,8 @@ def fit(
 
     files = [path for path in (json, output, report) if isinstance(path, Path)]
     inputs = [place.path, *pictures, *input_files(plan)]
-    result = written(files, inputs, stop, made, content)
-    show(json, lambda: fit_facts(result), fit_text(result))
+    result = options.written(files, inputs, stop, made, content)
+    options.show(json, lambda: fit_facts(result), fit_text(result))
 
 
 @options.command()
@@ -233,12 +232,12 @@ def photon_transfer(
     inputs = [*flats, *filter(None, [dark])]
 
     def made() -> UniformFields:
-        with Progress(len(inputs)) as progress:
-            check = partial(check_stop, stop)
+        with options.Progress(len(inputs)) as progress:
+            check = partial(options.check_stop, stop)
             return measured_transfer(flats, dark, offset_dn, check=check, report=progress)
 
-    measured = written(outputs, inputs, stop, made, UniformFields.content)
-    show(json, lambda: measured.facts, *measured.lines())
+    measured = options.written(outputs, inputs, stop, made, UniformFields.content)
+    options.show(json, lambda: measured.facts, *measured.lines())
 
 
 @options.command()
@@ -271,9 +270,9 @@ def netd(
     from app.measure.uniform_fields import UniformFields, measured_netd
 
     def made() -> UniformFields:
-        with Progress(2 * len(fields)) as progress:
-            return measured_netd(fields, check=partial(check_stop, stop), report=progress)
+        with options.Progress(2 * len(fields)) as progress:
+            return measured_netd(fields, check=partial(options.check_stop, stop), report=progress)
 
     paths = [path for path, _ in fields]
-    measured = written(outputs, paths, stop, made, UniformFields.content)
-    show(json, lambda: measured.facts, *measured.lines())
+    measured = options.written(outputs, paths, stop, made, UniformFields.content)
+    options.show(json, lambda: measured.facts, *measured.lines())

@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from app.command import options
-from app.command.options import Progress, say, show, written
 from app.run import option_values as values
 from app.run.terminal import Stop, Stopped, columns, print_error
 from core.errors import UsageError, alike, close, shown
@@ -47,7 +46,7 @@ def networks(_stop: Stop, json: bool) -> None:
     entries = (f"{one['network']} · {one['name']}\n{_filled(one['description'])}" for one in facts)
     published = ", ".join(published_networks())
     cameras = f"published cameras (imagechain handbook published): {published}"
-    show(json, lambda: facts, *entries, textwrap.fill(cameras, 96))
+    options.show(json, lambda: facts, *entries, textwrap.fill(cameras, 96))
 
 
 def _filled(text: str) -> str:
@@ -87,7 +86,7 @@ def modules(_stop: Stop, key: str, json: bool) -> None:
         hint = hint or "; imagechain modules lists all modules"
         raise UsageError(f"there is no module {shown(key)}{hint}")
     if json:
-        show(json, lambda: [_described(entry) for entry in declared])
+        options.show(json, lambda: [_described(entry) for entry in declared])
         return
     groups = list(dict.fromkeys(entry.group for entry in declared))
     declared.sort(key=lambda entry: groups.index(entry.group))
@@ -197,7 +196,7 @@ def presets(_stop: Stop, word: str, json: bool) -> None:
         f"{preset.path.stem} · {preset.title} ({_module(preset)})\n{_filled(preset.text)}"
         for preset in found
     )
-    show(json, lambda: [_preset_facts(preset) for preset in found], *entries, _USE)
+    options.show(json, lambda: [_preset_facts(preset) for preset in found], *entries, _USE)
 
 
 def _module(preset: Preset) -> str:
@@ -235,7 +234,7 @@ def handbook(stop: Stop, word: str, html: Path | None, path: bool, json: bool) -
         if address is None:
             hint = close(word, known) or "; imagechain handbook opens the first page"
             raise UsageError(f"the handbook has no page on {shown(word)}{hint}")
-    with Progress(sum(map(len, PARTS.values())) + len(library)) as progress:
+    with options.Progress(sum(map(len, PARTS.values())) + len(library)) as progress:
 
         def made_next(title: str) -> None:
             if stop.is_set():
@@ -251,7 +250,7 @@ def handbook(stop: Stop, word: str, html: Path | None, path: bool, json: bool) -
         else:
             folder = pages.cached_handbook(library, made_next)
         page = folder.resolve() / str(address)
-        show(json, lambda: {"page": str(page)}, str(page))
+        options.show(json, lambda: {"page": str(page)}, str(page))
         if opened:
             _open_page(page)
             pages.cached_handbook(library, made_next)
@@ -297,11 +296,11 @@ def bench(
 
     def made() -> tuple[dict[str, Any], Measured]:
         wanted = {name: import_module(f"app.bench.{name}").MEASURES for name in names}
-        return measured(wanted, PARTS, settings, say=partial(say, json))
+        return measured(wanted, PARTS, settings, say=partial(options.say, json))
 
     def content(made: tuple[dict[str, Any], Measured], path: Path) -> str:
         return json_text(made[0], 1) if path == json else bench_page(*made)
 
-    facts, _ = written(files, (), stop, made, content)
+    facts, _ = options.written(files, (), stop, made, content)
     end = f"{facts['seconds']:.0f} s" + "".join(f"; wrote {path}" for path in files)
-    show(json, lambda: facts, end)
+    options.show(json, lambda: facts, end)

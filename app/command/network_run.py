@@ -8,7 +8,6 @@ from typing import Any
 
 from app.run import evaluation as run
 from app.run import saving
-from app.run.evaluation import Figure, figure_rows, readout_rows
 from app.run.option_values import Save
 from app.run.overrides import near
 from app.run.staging import Staging, WriteRules, existing_folder
@@ -24,15 +23,9 @@ from core.evaluation.work import Policy
 from core.modules.declaration import NodeContext
 from core.network.validation import NetworkProblems
 from core.records import asdict, dataclass
+from nodes.files import frames as frame_files
 from nodes.files.file_format import ZARR
 from nodes.files.formats import check_finite
-from nodes.files.frames import (
-    STORE,
-    FrameFormat,
-    FrameSeries,
-    header_beside_frames,
-    refuse_without_room,
-)
 
 FINAL, MTF, READOUTS = "final.png", "mtf.csv", "readouts.json"
 KEPT_BYTES = 1 << 29
@@ -96,7 +89,7 @@ class Stage:
 class NetworkRun:
     evaluation: run.Evaluation
     skipped: tuple[Skip, ...]
-    figures: list[Figure]
+    figures: list[run.Figure]
     folder: Path
     others: list[str]  # files beside those of the folder
 
@@ -114,9 +107,11 @@ class NetworkRun:
 
     def lines(self, *, every_readout: bool, on_memory: bool) -> list[str]:
         evaluation, tables = self.evaluation, []
-        readouts = readout_rows(evaluation)
+        readouts = run.readout_rows(evaluation)
         if self.figures and not every_readout:
-            rows = [(name, f"{v} {unit}", of) for name, v, unit, of in figure_rows(self.figures)]
+            rows = [
+                (name, f"{v} {unit}", of) for name, v, unit, of in run.figure_rows(self.figures)
+            ]
             tables += [
                 columns(rows),
                 f"all {len(readouts)} read-outs: use --all, or see {READOUTS}\n",
@@ -181,7 +176,9 @@ class _Saved:
         streamed = self.frames is None and run.is_streamed(self.value, self.path, on_disk=on_disk)
         return 1 if streamed else self.frames
 
-    def series(self, policy: Policy, *, on_disk: bool) -> tuple[FrameFormat, FrameSeries] | None:
+    def series(
+        self, policy: Policy, *, on_disk: bool
+    ) -> tuple[frame_files.FrameFormat, frame_files.FrameSeries] | None:
         """Format and header of a file of frames or bands; None of any other file."""
         count = self.count(on_disk=on_disk)
         if count is not None:
@@ -216,14 +213,17 @@ def _claim(plan: Plan, stage: Stage, policy: Policy) -> list[_Saved]:
         if found is None:
             saving.check_suffix(save.port, value, path)
             if ZARR.matches(path):
-                found = STORE, saving.series_of(value, STORE, policy, frames=1, region=region)
+                found = (
+                    frame_files.STORE,
+                    saving.series_of(value, frame_files.STORE, policy, frames=1, region=region),
+                )
         files += [] if found is None else [(path, *found)]
         saves.append(saved)
         staging.claim(path)
     for path, kind, _ in files:
         if kind.beside is not None:
-            staging.claim(header_beside_frames(path))
-    refuse_without_room([(path, series) for path, _, series in files])
+            staging.claim(frame_files.header_beside_frames(path))
+    frame_files.refuse_without_room([(path, series) for path, _, series in files])
     for saved in saves:
         if way.on_disk(saved.value, policy):
             run.check_streamed(saved.port, saved.value, saved.path, frames)
@@ -267,7 +267,9 @@ def _write(evaluation: run.Evaluation, saves: list[_Saved], stage: Stage) -> Non
         found = saved.series(work.policy, on_disk=_is_on_disk(saved.value, work))
         if found is not None and found[0].beside is not None:
             text = found[0].beside(found[1])
-            staging.write(header_beside_frames(saved.path), partial(write_text, content=text))
+            staging.write(
+                frame_files.header_beside_frames(saved.path), partial(write_text, content=text)
+            )
     for node, path, writer in sink_files(evaluation):
         staging.write(path, writer, partial(stage.rules.check, node))
     if evaluation.chain.final is not None:

@@ -13,15 +13,7 @@ from typing import TYPE_CHECKING, Any, Self, TypeVar
 
 import click
 
-from app.run.option_values import (
-    assignment,
-    ending_in,
-    file_path,
-    finite_number,
-    save_target,
-    tolerance,
-    whole_number,
-)
+from app.run import option_values
 from app.run.shipped import Place, every_network, find_network
 from app.run.terminal import json_text, too_late
 from core.errors import Cancelled, UsageError, close, shown
@@ -258,17 +250,19 @@ json_flag = flag("--json", "print only the result, as JSON", RARER)
 def json_file(about: str, read: Read | None = None) -> Callable[[Function], Function]:
     about += "; without FILE, print only the JSON"
     how: dict[str, Any] = {"is_flag": False, "flag_value": True}  # without FILE, True
-    return option("--json", "[FILE]", about, read or ending_in(JSON), **how)
+    return option("--json", "[FILE]", about, read or option_values.ending_in(JSON), **how)
 
 
 def save_option(metavar: str, about: str) -> Callable[[Function], Function]:
-    read: Read = lambda _, text: save_target(text)  # noqa: E731
+    read: Read = lambda _, text: option_values.save_target(text)  # noqa: E731
     return option("--save", metavar, about, read, many=True, to="saves")
 
 
 def written_outputs(about: str, formats: Sequence[Format]) -> Callable[[Function], Function]:
     about += f", as {' '.join(suffixes(*formats))}; may be repeated"
-    return option("--output", "FILE", about, ending_in(*formats), to="outputs", many=True)
+    return option(
+        "--output", "FILE", about, option_values.ending_in(*formats), to="outputs", many=True
+    )
 
 
 def network_options(function: Function) -> Function:
@@ -291,7 +285,7 @@ def network_options(function: Function) -> Function:
         argument("network", "NETWORK", "a network file, or the name of an example network"),
         option("--set", "NODE.PARAM=VALUE",
             "change a parameter for this run; null clears it; may be repeated",
-            partial(assignment, form="NODE.PARAM=VALUE"), many=True, to="settings"),
+            partial(option_values.assignment, form="NODE.PARAM=VALUE"), many=True, to="settings"),
         option("--disable", "NODE",
             "disable a node for this run: the node passes its input through; may be repeated",
             many=True, to="disabled"),
@@ -303,14 +297,14 @@ def network_options(function: Function) -> Function:
         scene("--scene-fov-deg", "X Y",
             "field of view of the scene (default: from the file's header, else the width of the "
             "original scene)",
-            finite_number, nargs=2),
-        scene("--scene-range-m", "M", "distance to the scene", finite_number),
+            option_values.finite_number, nargs=2),
+        scene("--scene-range-m", "M", "distance to the scene", option_values.finite_number),
         scene("--scene-sample-m", "M", "size of a scene sample, instead of the scene's field of "
-            "view", finite_number),
+            "view", option_values.finite_number),
         scene("--scene-band-um", "A B",
             "wavelength band of the scene (default: from the file's header, else the original "
             "scene's band)",
-            finite_number, nargs=2),
+            option_values.finite_number, nargs=2),
         scene("--scene-unit", "UNIT",
             "unit of the scene: a radiance unit, K, C, reflectance, or relative (scaled to the "
             "range of the original scene); default: the file's unit, else relative"),
@@ -318,7 +312,7 @@ def network_options(function: Function) -> Function:
 
 
 def _scene(option: str, text: str) -> str:
-    file_path(option, text)
+    option_values.file_path(option, text)
     return text
 
 
@@ -335,12 +329,13 @@ def place_options(function: Function) -> Function:
     """Where the network's files go: `output_dir` and `allowed`."""
     return together(
         option("--output-dir", "DIR",
-            "folder for final.png, mtf.csv and readouts.json (default ./NAME-output)", file_path),
+            "folder for final.png, mtf.csv and readouts.json (default ./NAME-output)",
+            option_values.file_path),
         option("--allow-writes-to", "DIR",
             "let the network's nodes write and replace any file below DIR. By default they write "
             "only to the network's folder and the output folder, and replace only files that this "
-            "network has written. May be repeated", file_path, many=True, to="allowed",
-            group=RARER),
+            "network has written. May be repeated", option_values.file_path,
+            many=True, to="allowed", group=RARER),
     )(function)  # fmt: skip
 
 
@@ -356,16 +351,16 @@ def numerical_options(function: Function) -> Function:
     number = partial(option, group=RARER)
     return together(
         option("--seed", "N", "seed for the noise, instead of the network's seed",
-            partial(whole_number, largest=LARGEST_INTEGER)),
+            partial(option_values.whole_number, largest=LARGEST_INTEGER)),
         number("--precision", "[single|double]", "default: single", one_of("single", "double"),
             default="single"),
         number("--tolerance", "T",
             "error budget, from 0 to below 1: leave out stages that together change the picture "
             "by less than this fraction of its range. Default: below the samples' rounding "
             "error; 1e-4 of each band's contrast if a few wavelengths represent all bands. 0 "
-            "leaves out only stages that change nothing", tolerance),
+            "leaves out only stages that change nothing", option_values.tolerance),
         number("--threads", "N", "worker threads (default: all)",
-            partial(whole_number, largest=1024), default=0),
+            partial(option_values.whole_number, largest=1024), default=0),
     )(given)  # fmt: skip
 
 

@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from app.command import options
-from app.command.options import Progress, say, show
 from app.run import option_values as values
 from app.run.option_values import Save
 from app.run.shipped import find_network
@@ -185,7 +184,7 @@ def run(
         folder, rules = _folder_and_rules(asked, output_dir, allowed)
         figures: list[Figure] = []
         with Staging(folder, [place.path, *input_files(plan)]) as staging:
-            with Progress(len(plan.nodes)) as progress:
+            with options.Progress(len(plan.nodes)) as progress:
                 work = TimedWork(policy, engine.store, stop, progress)
                 stage = Stage(
                     folder, staging, rules, look=lambda made: figures.extend(main_figures(made)),
@@ -211,14 +210,14 @@ def run(
             if smaller is None:
                 raise
             network, more = smaller
-            say(json, *map(in_line, more))
+            options.say(json, *map(in_line, more))
             left_out += more
     lines = made.lines(every_readout=every_readout, on_memory=memory_bytes is not None)
     if forgotten:
         needs = f"could not record which files this run wrote ({forgotten}); to let the next run"
         needs += f" replace them, add {OPTION} DIR"
         lines.append(in_line(needs))
-    show(json, lambda: made.facts(left_out), *lines)
+    options.show(json, lambda: made.facts(left_out), *lines)
 
 
 @options.command()
@@ -252,7 +251,7 @@ def check(
         problems = error.problems if isinstance(error, NetworkProblems) else (error,)
         lines = [*map(in_line, written), *(in_line(str(problem)) for problem in problems)]
         facts = [{"node": problem.node, "message": problem.message} for problem in problems]
-        show(json, lambda: {"errors": facts}, *lines)
+        options.show(json, lambda: {"errors": facts}, *lines)
         name = asked.place.name
         raised = InputError(f"{name}: {several(len(problems), 'error')}, the first: {problems[0]}")
         raised.exit_code = error.exit_code  # 1 for the fault of a plug-in
@@ -264,7 +263,7 @@ def check(
     count = f", {several(len(warnings), 'warning')}" if warnings else ""
     size = f"{several(len(network.nodes), 'node')}, {several(len(network.links), 'link')}"
     summary = f"{place.name}: no errors{count} ({size})"
-    show(
+    options.show(
         json,
         lambda: {"errors": [], "warnings": [asdict(caution) for caution in cautions]},
         *map(in_line, [*warnings, summary, *written]),

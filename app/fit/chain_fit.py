@@ -10,16 +10,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from app.fit.chain_transfer import (
-    ChainAt,
-    EdgeTransfer,
-    FreeParameter,
-    NoiseProblem,
-    apart,
-    inner,
-    middle_of,
-    starts,
-)
+from app.fit import chain_transfer
 from app.fit.edge_fit import MARGIN, EdgeFits, EdgesAt, Patch, SpreadTable, period_for, reaching_in
 from core.errors import FAULTS, DataError
 from core.evaluation.work import Work
@@ -143,7 +134,7 @@ def _excess(per_degree: float, degrees: int) -> float:
 
 @dataclass(frozen=True)
 class ChainFit:
-    free: tuple[FreeParameter, ...]  # what was fitted
+    free: tuple[chain_transfer.FreeParameter, ...]  # what was fitted
     values: Vector  # their values
     jacobian: Matrix  # of the residuals, (samples, parameters), over the root of their misfit
     patches: tuple[Patch, ...]  # the edges' samples
@@ -161,11 +152,11 @@ class ChainFit:
 class EdgeProblem:
     def __init__(
         self,
-        chain: ChainAt,
+        chain: chain_transfer.ChainAt,
         work: Work,
-        free: Sequence[FreeParameter],
+        free: Sequence[chain_transfer.FreeParameter],
         patches: Sequence[Patch],
-        noise: NoiseProblem | None = None,
+        noise: chain_transfer.NoiseProblem | None = None,
     ) -> None:
         self.free = tuple(free)
         self.noise = noise
@@ -174,7 +165,7 @@ class EdgeProblem:
         self._chain, self._work = chain, work
         period = period_for(reach=max(patch.reach for patch in patches))
         angles = [patch.edge.angle_deg for patch in patches]
-        self._transfer = EdgeTransfer(work, angles, period)
+        self._transfer = chain_transfer.EdgeTransfer(work, angles, period)
         self._fits = EdgeFits(self.patches)
         self._last: tuple[Vector, SpreadTable, EdgesAt] | None = None
         self.watch: Watch | None = None
@@ -190,7 +181,11 @@ class EdgeProblem:
         noise = self.noise_residual(values)
         shown, noisy = set(), set()
         for index, parameter in enumerate(self.free):
-            for other in (_MUCH * values[index], values[index] / _MUCH, *inner(parameter)):
+            for other in (
+                _MUCH * values[index],
+                values[index] / _MUCH,
+                *chain_transfer.inner(parameter),
+            ):
                 changed = values.copy()
                 changed[index] = other
                 if not parameter.low <= other <= parameter.high or other == values[index]:
@@ -327,9 +322,11 @@ def fit_chain(problem: EdgeProblem) -> ChainFit:
     from scipy.optimize import least_squares
 
     free = problem.free
-    problem.sort_out(np.array([middle_of(parameter) for parameter in free]))
+    problem.sort_out(np.array([chain_transfer.middle_of(parameter) for parameter in free]))
     thin = problem.thinned()
-    begin = starts(free, thin.cost, count=_STARTS if len(free) > 1 else 1, seed=_SEED)
+    begin = chain_transfer.starts(
+        free, thin.cost, count=_STARTS if len(free) > 1 else 1, seed=_SEED
+    )
     if not begin:
         raise DataError("no combination of values of the free parameters is allowed")
     lows = np.array([parameter.low for parameter in free])
@@ -347,12 +344,14 @@ def fit_chain(problem: EdgeProblem) -> ChainFit:
     thin.freeze(begin[0])
     first = sorted((solved(thin, start, _FIRST) for start in begin), key=lambda pair: pair[1])
     near = [v for v, cost in first if 2.0 * (cost - first[0][1]) < _RIVAL_THIN]
-    followed = (solved(thin, start, _LAST) for start in apart(near)[:_BEST])
+    followed = (solved(thin, start, _LAST) for start in chain_transfer.apart(near)[:_BEST])
     last = sorted(followed, key=lambda pair: pair[1])
     problem.leave_out_surroundings(last[0][0])
     problem.freeze(last[0][0])
     near = [v for v, cost in last if 2.0 * (cost - last[0][1]) < _RIVAL_THIN]
-    ends = sorted((solved(problem, v, _LAST) for v in apart(near)), key=lambda pair: pair[1])
+    ends = sorted(
+        (solved(problem, v, _LAST) for v in chain_transfer.apart(near)), key=lambda pair: pair[1]
+    )
     # What reaches into the edges depends on the solution, and that on what is left out.
     for _ in range(_ROUNDS):
         if problem.leave_out_surroundings(ends[0][0]) < _SETTLED:
@@ -379,21 +378,21 @@ def fit_chain(problem: EdgeProblem) -> ChainFit:
         jacobian, counts = widened_by_scatter(jacobian=jacobian, residual=residual, edge=edge)
         rests_on = tuple(map(float, counts))
     at_end = (end_of(p, float(v), float(s)) for p, v, s in zip(free, values, scales, strict=True))
-    elsewhere = tuple(positive(free, problem.cost, v)[0] for v in apart(rivals)[1:])
+    elsewhere = tuple(positive(free, problem.cost, v)[0] for v in chain_transfer.apart(rivals)[1:])
     return ChainFit(
         free, values, jacobian, problem.patches, edges, table, misfit, tuple(at_end),
         problem.evaluations + thin.evaluations, unsigned, elsewhere, problem.shown, rests_on,
     )  # fmt: skip
 
 
-def _inside(free: Sequence[FreeParameter], values: Vector) -> float:
+def _inside(free: Sequence[chain_transfer.FreeParameter], values: Vector) -> float:
     """How far the parameter that is nearest to the low end of its range is from it."""
     pairs = zip(free, values, strict=True)
     return min((float(value) - p.low) / abs(p.present or 1.0) for p, value in pairs)
 
 
 def positive(
-    free: Sequence[FreeParameter], cost: Callable[[Vector], float], values: Vector
+    free: Sequence[chain_transfer.FreeParameter], cost: Callable[[Vector], float], values: Vector
 ) -> tuple[Vector, tuple[int, ...]]:
     """Positive values where the sign changes nothing, as that of a defocus; and which these are."""
     unsigned = []
@@ -408,7 +407,7 @@ def positive(
     return values, tuple(unsigned)
 
 
-def scales_of(free: Sequence[FreeParameter], values: Vector) -> Vector:
+def scales_of(free: Sequence[chain_transfer.FreeParameter], values: Vector) -> Vector:
     """How much of each parameter counts as a change."""
     scales = []
     for parameter, value in zip(free, values, strict=True):
@@ -418,7 +417,7 @@ def scales_of(free: Sequence[FreeParameter], values: Vector) -> Vector:
     return np.array(scales)
 
 
-def end_of(parameter: FreeParameter, value: float, scale: float) -> str:
+def end_of(parameter: chain_transfer.FreeParameter, value: float, scale: float) -> str:
     """At which end of its range a value lies: ``low``, ``high``, or neither, an empty text."""
     if value - parameter.low <= _AT_END * scale:
         return "low"

@@ -17,7 +17,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.handbook import example_figures as figures
-from app.handbook.example_figures import picture, published_camera
 from app.handbook.markdown_text import FormulaError, anchor_of, formula_svg, rendered
 from app.report.html_page import templates
 from app.run.option_values import assignment
@@ -120,7 +119,7 @@ def handbook_files(
     frame = _Frame(declared, drawn=drawn)
     found = []
     engine = Engine(library)
-    camera = cache(partial(published_camera, engine=engine))
+    camera = cache(partial(figures.published_camera, engine=engine))
 
     def figure(words: str) -> str:
         if not drawn:
@@ -331,7 +330,7 @@ def page_figure(words: str, engine: Engine) -> str:
         elif kind == "picture":
             samples = engine.value(plan, what, work)
             drawn = np.abs(samples) if isinstance(plan.output(what), Pupil) else samples
-            drawings.append(picture(drawn, text))
+            drawings.append(figures.picture(drawn, text))
         elif kind in ("edges", "mtf"):
             samples = engine.value(plan, what, work)
             drawings.append(_measured(samples, kind, text))

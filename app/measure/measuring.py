@@ -11,16 +11,10 @@ from numpy.typing import NDArray
 from app.measure import picture_measurement as results
 from app.measure.measurement_text import exceeds_one, in_words
 from core.errors import DataError, ParameterError
+from core.physics.measurement import picture_noise
 from core.physics.measurement.edge_mtf import LARGEST_ANGLE_DEG, MtfCurve, measure_edge, pooled_mtf
 from core.physics.measurement.edge_search import find_edges
 from core.physics.measurement.found_edge import FoundEdge, missing_samples, why_interpolated
-from core.physics.measurement.picture_noise import (
-    FramesNoise,
-    LineNoise,
-    PictureNoise,
-    SceneFrames,
-    noise_of_picture,
-)
 from core.physics.sampling.detector_sampling import interval_mrad
 from core.records import replace
 from nodes.files.frames import open_frames
@@ -77,10 +71,10 @@ def measure_pictures(
     clip_levels = results.common_limits(files)
     lossy = any(file.is_lossy for file in files)
     many = sum(file.frames for file in files) > 1
-    taken = SceneFrames(first.rows, first.columns) if many else None
+    taken = picture_noise.SceneFrames(first.rows, first.columns) if many else None
     edges: list[results.MeasuredEdge] = []
     previews: list[results.Preview] = []
-    noises: list[PictureNoise] = []
+    noises: list[picture_noise.PictureNoise] = []
     no_noise: list[str] = []
     warnings: list[str] = []
     for number, picture in enumerate(picture for file in files for picture in file.pictures()):
@@ -106,7 +100,7 @@ def measure_pictures(
         try:
             missing = missing_samples(picture=picture)
             how: Any = {"avoid": missing, "offset": offset, "check": check}
-            noises.append(noise_of_picture(picture=picture, **how))
+            noises.append(picture_noise.noise_of_picture(picture=picture, **how))
         except DataError as error:  # numbers too large or too small for it
             no_noise.append(error.message)
     noise, noise_reason = pooled_noise(noises, offset_dn=offset)
@@ -188,7 +182,9 @@ def without_edge(
     return replace(measured, edges=tuple(edges), x=x, y=y, reason_x=reason_x, reason_y=reason_y)
 
 
-def _frames(taken: SceneFrames | None, offset_dn: float) -> tuple[FramesNoise | None, str]:
+def _frames(
+    taken: picture_noise.SceneFrames | None, offset_dn: float
+) -> tuple[picture_noise.FramesNoise | None, str]:
     """Noise from frame to frame, if the scene stood still."""
     if taken is None:
         return None, "a single picture"
@@ -220,7 +216,7 @@ _Figure = tuple[float | None, float | None]
 
 
 def pooled_noise(
-    measured: Sequence[PictureNoise], *, offset_dn: float
+    measured: Sequence[picture_noise.PictureNoise], *, offset_dn: float
 ) -> tuple[results.NoiseFigures | None, str]:
     """The noise of the pictures that show it, or the reason why none does."""
     known = [(one, one.sigma, one.sigma_error) for one in measured]
@@ -247,7 +243,10 @@ def pooled_noise(
 
 
 def with_frames(
-    noise: results.NoiseFigures | None, reason: str, frames: FramesNoise, offset_dn: float
+    noise: results.NoiseFigures | None,
+    reason: str,
+    frames: picture_noise.FramesNoise,
+    offset_dn: float,
 ) -> tuple[results.NoiseFigures | None, str]:
     """The noise of what changes in frames of a scene that stands still."""
     if frames.sigma is None or frames.sigma_error is None:
@@ -294,7 +293,7 @@ def _weighted(figures: Iterable[_Figure]) -> _Figure:
     return mean, total**-0.5
 
 
-def _lines(lines: Iterable[LineNoise | None]) -> float | None:
+def _lines(lines: Iterable[picture_noise.LineNoise | None]) -> float | None:
     """Deviation of what rows or columns have of their own, 0 where it does not stand out."""
     known = [line for line in lines if line is not None]
     if not known:

@@ -11,28 +11,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from app.run import transfer_chain
 from app.run.terminal import four_digits, number_text, sized, without_rounding
-from app.run.transfer_chain import (
-    Axis,
-    Chain,
-    Output,
-    Responses,
-    ancestors,
-    find_chain,
-    find_output,
-    mtf_at,
-    response,
-    responses,
-    sound_part,
-    source_images,
-)
-from core.chain.engine import (
-    Engine,
-    Plan,
-    asked_for,
-    least_scratch,
-    realize,
-)
+from core.chain.engine import Engine, Plan, asked_for, least_scratch, realize
 from core.chain.wires import Curve, Image, Magnitude, Phase, SpectrumWire, Table, Transfer
 from core.errors import DataError, FileError, ImagechainError, UsageError, placed, several
 from core.evaluation.recipes import Recipe, Region, Store
@@ -76,8 +57,8 @@ class Evaluation:
     plan: Plan
     engine: Engine
     work: TimedWork
-    chain: Chain
-    responses: Responses
+    chain: transfer_chain.Chain
+    responses: transfer_chain.Responses
     readouts: Readouts
     cautions: tuple[Caution, ...]
     seconds: dict[str, float] = field(default_factory=dict)
@@ -102,7 +83,7 @@ def refuse_faults(plan: Plan) -> Plan:
 def evaluate(engine: Engine, plan: Plan, work: TimedWork) -> Evaluation:
     """Compute inputs, unlinked outputs and read-outs; each recipe is held until its last use."""
     start = time.perf_counter()
-    chain = find_chain(plan)
+    chain = transfer_chain.find_chain(plan)
     sources, outputs, figures, checks = _read(engine, plan)
     with work.hold(_recipes(plan, chain.final, sources, outputs, figures, checks)) as release:
         for port, recipes in sources.items():
@@ -119,7 +100,7 @@ def evaluate(engine: Engine, plan: Plan, work: TimedWork) -> Evaluation:
         for name, recipes in figures.items():
             readouts[name] = engine.readouts(plan, name, work)
             release(recipes)
-        chain_responses = responses(chain, work)
+        chain_responses = transfer_chain.responses(chain, work)
         if chain.final is not None:
             engine.value(plan, chain.final, work)
     end = time.perf_counter()
@@ -133,7 +114,7 @@ Read = dict[str, tuple[Recipe, ...]]
 
 def _read(engine: Engine, plan: Plan) -> tuple[Read, Read, Read, Read]:
     """What is read: of sources, of unlinked outputs, by read-outs of nodes, and by checks."""
-    sources = {port: asked_for(plan.output(port)) for port in source_images(plan)}
+    sources = {port: asked_for(plan.output(port)) for port in transfer_chain.source_images(plan)}
     checks = (check.recipe for check in plan.checks() if isinstance(check, PendingCheck))
     outputs = {
         f"{node}.{output}": asked_for(plan.nodes[node].outputs.get(output))
@@ -155,7 +136,7 @@ def _recipes(plan: Plan, final: str | None, *groups: Read) -> list[Recipe]:
 
 
 def read_by_evaluation(engine: Engine, plan: Plan) -> list[Recipe]:
-    return _recipes(plan, find_output(plan).port, *_read(engine, plan))
+    return _recipes(plan, transfer_chain.find_output(plan).port, *_read(engine, plan))
 
 
 def needed_later(
@@ -163,7 +144,7 @@ def needed_later(
 ) -> list[Recipe]:
     """What is needed after the evaluation; noises are not followed through pictures on disk."""
     values = [plan.output(port) for port in ports]
-    if (final := find_output(plan).port) is not None:
+    if (final := transfer_chain.find_output(plan).port) is not None:
         values.append(plan.output(final))
     for node in plan.nodes.values():
         if hasattr(node.module, "target") and not node.node.disabled:
@@ -185,8 +166,8 @@ def _evaluate_output(plan: Plan, port: str, work: Work) -> None:
     with placed(name):
         if isinstance(value, Transfer | Magnitude | Phase) and not sampled:
             # The plane is not used: its factors on two lines show whether it can be made.
-            response(work, value.factors, value.grid.axes("periodic")[0], "x")
-            response(work, value.factors, value.grid.eta(), "y")
+            transfer_chain.response(work, value.factors, value.grid.axes("periodic")[0], "x")
+            transfer_chain.response(work, value.factors, value.grid.eta(), "y")
         elif value is not None:
             realize(value, work)
 
@@ -477,14 +458,14 @@ def sensor_node(plan: Plan, preferred: str | None = None) -> str | None:
         return preferred if named else None
     leading = set(named)
     try:
-        output = find_output(sound_part(plan))
+        output = transfer_chain.find_output(transfer_chain.sound_part(plan))
     except ImagechainError:
-        output = Output(None)
+        output = transfer_chain.Output(None)
     if output.choices and len(named) > 1:
         return None
     if output.port is not None:
         last = output.port.rpartition(".")[0]
-        leading = ancestors(plan.network, last) | {last}
+        leading = transfer_chain.ancestors(plan.network, last) | {last}
     order = [name for name in plan.nodes if name in named]
     return next((name for name in reversed(order) if name in leading), order[-1])
 
@@ -519,8 +500,8 @@ def _mtf_figures(evaluation: Evaluation) -> list[Figure]:
     of_pixels = chain.pixel_nyquist
     if of_pixels[0] is not None and of_pixels[1] is not None:
         caption, places = "MTF at the pixels' Nyquist", (of_pixels[0], of_pixels[1])
-    axes: tuple[Axis, Axis] = ("x", "y")
+    axes: tuple[transfer_chain.Axis, transfer_chain.Axis] = ("x", "y")
     pairs = zip(axes, places, strict=True)
-    values = tuple(mtf_at(work, chain.factors, place, axis) for axis, place in pairs)
+    values = tuple(transfer_chain.mtf_at(work, chain.factors, place, axis) for axis, place in pairs)
     at = " × ".join(dict.fromkeys(f"{place:.4g}" for place in places))
     return [Figure(f"{caption} ({at} cyc/mrad)", values, "", "all stages")]

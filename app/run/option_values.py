@@ -10,27 +10,16 @@ from typing import TYPE_CHECKING
 
 from core.errors import UsageError
 from core.records import dataclass
-from nodes.files.file_format import (
-    CSV,
-    ENVI_FRAMES,
-    HTML,
-    JSON,
-    NETCDF,
-    PARQUET,
-    PNG,
-    ZARR,
-    Format,
-    suffixes,
-)
+from nodes.files import file_format as formats
 
 if TYPE_CHECKING:
     from core.evaluation.recipes import Region
 
-REPORTS = (JSON, HTML)
-TRANSFERS = (CSV, JSON)
-OUTPUTS = (CSV, JSON, PNG, HTML)
-STUDIES = (CSV, PARQUET, NETCDF)
-SUMMARIES = (PNG, HTML)
+REPORTS = (formats.JSON, formats.HTML)
+TRANSFERS = (formats.CSV, formats.JSON)
+OUTPUTS = (formats.CSV, formats.JSON, formats.PNG, formats.HTML)
+STUDIES = (formats.CSV, formats.PARQUET, formats.NETCDF)
+SUMMARIES = (formats.PNG, formats.HTML)
 _LONGEST_NUMBER = 20
 _BOUNDS = re.compile(r"([0-9]{0,18}):([0-9]{0,18}),([0-9]{0,18}):([0-9]{0,18})", re.ASCII)
 _SIZE = re.compile(r"([0-9]{1,18}(?:\.[0-9]{1,18})?) ?([kKmMgGtT]?[bB])", re.ASCII)
@@ -109,7 +98,7 @@ def save_target(text: str) -> Save:
     save = assignment("--save", text, "NODE.PORT=FILE")
     from nodes.files.formats import SAVED
 
-    ending_in(*SAVED[:-1], ENVI_FRAMES, ZARR, SAVED[-1])("--save", save.text)
+    ending_in(*SAVED[:-1], formats.ENVI_FRAMES, formats.ZARR, SAVED[-1])("--save", save.text)
     return Save(save.node, save.name, save.text, bounds)
 
 
@@ -158,11 +147,11 @@ def file_path(option: str, text: str) -> Path:
     return Path(text)
 
 
-def ending_in(*formats: Format) -> Callable[[str, str], Path]:
+def ending_in(*allowed: formats.Format) -> Callable[[str, str], Path]:
     def read(option: str, text: str) -> Path:
         path = file_path(option, text)
-        if not any(file_format.matches(path) for file_format in formats):
-            *words, last = suffixes(*formats)
+        if not any(file_format.matches(path) for file_format in allowed):
+            *words, last = formats.suffixes(*allowed)
             ends = f"{', '.join(words)} or {last}" if words else last
             raise UsageError(f"{option} {text!r:.120}: the file name must end in {ends}")
         return path

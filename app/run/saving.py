@@ -22,20 +22,9 @@ from core.evaluation.recipes import Region, number_bits
 from core.evaluation.work import Policy, Work
 from core.machine import is_on_disk
 from nodes.files import formats
+from nodes.files import frames as frame_files
 from nodes.files.arrays import write_curves, write_matrix
 from nodes.files.file_format import CSV, ENVI_FRAMES, ZARR, Format, suffixes
-from nodes.files.formats import (
-    integer_type,
-)
-from nodes.files.frames import (
-    FrameFormat,
-    FrameSeries,
-    frame_format,
-    frame_suffixes,
-    header_beside_frames,
-    write_frames,
-    write_tiled_tiff,
-)
 from nodes.files.table_cells import csv_lines
 from nodes.files.zarr_array import check_zarr, write_store
 from nodes.input_output.write_image import Cube, curve_columns
@@ -123,7 +112,7 @@ def save_array(path: Path, array: Array, metadata: dict[str, Any]) -> None:
         words = ", ".join(suffixes(*formats.SAVED, ENVI_FRAMES, ZARR))
         raise UsageError(f"{path}: a picture must be written as {words}")
     elif kind.stores_floats:
-        whole = integer_type(array, metadata.get("unit", ""), kind.dtypes)
+        whole = formats.integer_type(array, metadata.get("unit", ""), kind.dtypes)
         if whole is not None:
             formats.write_picture(path, array, dtype=whole, metadata=metadata)
             return
@@ -138,14 +127,14 @@ def save_array(path: Path, array: Array, metadata: dict[str, Any]) -> None:
 
 
 def _save_envi(path: Path, array: Array, metadata: dict[str, Any]) -> None:
-    kind = frame_format(path)
+    kind = frame_files.frame_format(path)
     assert kind is not None
     assert kind.beside is not None
     rows, columns = array.shape
-    series = FrameSeries(1, rows, columns, array.dtype.newbyteorder("<"), metadata)
+    series = frame_files.FrameSeries(1, rows, columns, array.dtype.newbyteorder("<"), metadata)
     with atomic_file(path) as temporary:
-        write_frames(temporary, kind, series, [array])
-    write_text(header_beside_frames(path), kind.beside(series))
+        frame_files.write_frames(temporary, kind, series, [array])
+    write_text(frame_files.header_beside_frames(path), kind.beside(series))
 
 
 def metadata_of(image: Image, shape: tuple[int, ...]) -> dict[str, Any]:
@@ -263,10 +252,10 @@ MOST_FRAMES = 1_000_000
 _COLLECTED = 256  # frames between two collections of what refers to itself: 4 MB of small ones
 
 
-def format_for_frames(port: str, path: Path) -> FrameFormat:
-    kind = frame_format(path)
+def format_for_frames(port: str, path: Path) -> frame_files.FrameFormat:
+    kind = frame_files.frame_format(path)
     if kind is None:
-        words = ", ".join(frame_suffixes())
+        words = ", ".join(frame_files.frame_suffixes())
         raise UsageError(
             f"--save {port}={path}: with --frames, an image must be written as {words}"
         )
@@ -274,11 +263,16 @@ def format_for_frames(port: str, path: Path) -> FrameFormat:
 
 
 def series_of(
-    image: Image, kind: FrameFormat, policy: Policy, *, frames: int, region: Region | None
-) -> FrameSeries:
+    image: Image,
+    kind: frame_files.FrameFormat,
+    policy: Policy,
+    *,
+    frames: int,
+    region: Region | None,
+) -> frame_files.FrameSeries:
     shape = region.shape if region else image.shape
     stored = kind.stored_type(policy.dtype, number_bits(image.recipe))
-    return FrameSeries(frames, *shape, stored, metadata_of(image, shape))
+    return frame_files.FrameSeries(frames, *shape, stored, metadata_of(image, shape))
 
 
 def save_frames(
@@ -308,8 +302,8 @@ def save_frames(
     if frames == 1 and formats.TIFF.matches(path):
         (frame,) = made()
         if is_on_disk(frame):
-            write_tiled_tiff(path, series, frame)
+            frame_files.write_tiled_tiff(path, series, frame)
             return
-        write_frames(path, kind, series, [frame], done)
+        frame_files.write_frames(path, kind, series, [frame], done)
         return
-    write_frames(path, kind, series, made(), done)
+    frame_files.write_frames(path, kind, series, made(), done)
