@@ -13,7 +13,7 @@ import numpy as np
 from app.run.option_values import assignment, low_high
 from app.run.overrides import named_parameter
 from app.run.terminal import warning_lines
-from app.tradeoff.tradeoff_results import Figure, computed, named_figure, shown_value, with_value
+from app.tradeoff.tradeoff_results import Figure, PointEvaluator, named_figure, shown_value
 from core.chain.engine import Engine, Plan
 from core.errors import DataError, ParameterError, UsageError, in_line
 from core.evaluation.work import Policy
@@ -21,7 +21,7 @@ from core.modules.declaration import Library
 from core.modules.parameters import Parameter
 from core.network.network import Network
 from core.physics.numerics import brent_root
-from core.records import asdict, dataclass
+from core.records import asdict, dataclass, field
 
 FOR, UNTIL = "--for", "--until"
 _FOR_FORM = "NODE.PARAM, or NODE.PARAM=LOW:HIGH"
@@ -50,29 +50,29 @@ def solve_network(
     engine = Engine(library)
     plan = engine.plan(network, folder=folder)
     present = plan.node(sought.node).node.params.get(sought.name, parameter.default)
-    places = _search_range(parameter, present, sought.text, f"{FOR} {sought.port}")
+    search = _search_range(parameter, present, sought.text, f"{FOR} {sought.port}")
+    search.wanted = wanted
     work = engine.work(policy, cancel=cancel)
     unit, reasons = parameter.param.unit, dict[float, str]()
+    evaluator = PointEvaluator(engine, plan, [(sought.node, sought.name)], (figure,))
 
     def planned(value: float) -> Plan:
-        exact: Any = int(value) if places.whole else value
-        changed = with_value(plan.network, engine, sought.node, sought.name, exact)
-        return engine.plan(changed, folder=folder, previous=plan)
+        return evaluator.planned((int(value) if search.whole else value,))
 
-    with progress(len(places.places())) as reached:
+    with progress(len(search.places())) as reached:
 
         def evaluate(value: float) -> float | None:
             work.check()
             reached(f"{sought.port} {shown_value(value, unit)}")
             try:
-                result = computed((figure,), engine, planned(value), work, {sought.node})
+                result = evaluator.figures_of(planned(value), work)
             except ParameterError as error:
                 reasons[value] = str(error.at(sought.node))
                 return None
             reasons.update((value, reason) for reason in result.reasons.values())
             return result.figures.get(figure.text)
 
-        search = _Search(evaluate, wanted, places)
+        search.evaluate = evaluate
         search.solve(present if isinstance(present, int | float) else None)
     if search.at is None:
         raise DataError(_nothing(search, sought.port, unit, figure, reasons))
@@ -87,7 +87,7 @@ def solve_network(
     facts = {
         "parameter": sought.port,
         "unit": unit,
-        "value": int(value) if places.whole else value,
+        "value": int(value) if search.whole else value,
         "figure": {"name": figure.text, "unit": figure.unit, "value": result},
         "wanted": wanted,
         "others": search.others,
@@ -121,15 +121,31 @@ _DECADES = 6.0  # about the present value, where the parameter has no end of its
 _SMALLEST = 1e-12  # of the largest value, where zero itself is not allowed
 _LOG_FROM = 1000.0  # the end of a range over its beginning, from which on its steps are factors
 _LINEAR_STEPS, _STEPS_A_DECADE, _MOST_STEPS = 32, 3, 60
+_HALVINGS = 24  # of a step, to find where the read-out's values end within it
 
 
-@dataclass(frozen=True)
-class _SearchRange:
+class _Gap(Exception):
+    """The read-out has no value between two places where it has one."""
+
+
+@dataclass
+class _Search:
+    """Changes of sign along a range, of which one is closed in on."""
+
     low: float
     high: float
     log: bool  # whether places lie equal factors apart
     whole: bool = False  # whether only whole numbers count
     zero: bool = False  # whether 0 is tried beside
+    wanted: float = math.nan  # and the read-out at a value, None where it has none
+    evaluate: Callable[[float], float | None] = lambda _: None
+    # what was looked at, from one end of the range to the other
+    seen: list[Sample] = field(default_factory=list)
+    # where the read-out's values end: there, and a value beside it without one
+    edges: list[tuple[Sample, float]] = field(default_factory=list)
+    at: Sample | None = None  # None where no value does it
+    beside: Sample | None = None  # of whole numbers, the neighbour beyond the wanted value
+    others: list[float] = field(default_factory=list)  # further ones, to the width of a step
 
     def places(self) -> tuple[float, ...]:
         if self.log:
@@ -156,58 +172,11 @@ class _SearchRange:
             return math.exp(0.5 * (math.log(one) + math.log(other)))
         return 0.5 * (one + other)
 
-
-def _search_range(parameter: Parameter, present: object, given: str, option: str) -> _SearchRange:
-    """The range given as ``LOW:HIGH``, else the parameter's own, else about its present value."""
-    if parameter.kind not in ("number", "integer"):
-        raise UsageError(
-            f"{option}: {parameter.name} is {parameter.allowed()}, not a number "
-            "that can be solved for"
-        )
-    whole = parameter.kind == "integer"
-    if given:
-        low, high = low_high(option, given)
-        return _SearchRange(low, high, low > 0 and high / low >= _LOG_FROM, whole)
-    bound_low, bound_high = parameter.param.low, parameter.param.high
-    now = float(present) if isinstance(present, int | float) and present else 1.0
-    high = bound_high if bound_high is not None else abs(now) * 10.0**_DECADES
-    if bound_low is None:
-        return _SearchRange(-high if bound_high is None else now - abs(high), high, False, whole)
-    if bound_low != 0.0 or whole:
-        log = bound_low > 0 and high / bound_low >= _LOG_FROM
-        return _SearchRange(bound_low, high, log, whole)
-    # From next to nothing on; the present value is well inside.
-    low = min(high * _SMALLEST, abs(now) * 1e-3)
-    zero = not parameter.param.above and not (parameter.empty and parameter.param.zero_is_empty)
-    return _SearchRange(low, high, True, zero=zero)
-
-
-# The search: changes of sign along a range, of which one is closed in on.
-
-_HALVINGS = 24  # of a step, to find where the read-out's values end within it
-
-
-class _Gap(Exception):
-    """The read-out has no value between two places where it has one."""
-
-
-class _Search:
-    def __init__(
-        self, evaluate: Callable[[float], float | None], wanted: float, places: _SearchRange
-    ) -> None:
-        self.wanted, self.places, self._evaluate = wanted, places, evaluate
-        self.seen: list[Sample] = []  # what was looked at, from one end of the range to the other
-        # where the read-out's values end: there, and a value beside it without one
-        self.edges: list[tuple[Sample, float]] = []
-        self.at: Sample | None = None  # None where no value does it
-        self.beside: Sample | None = None  # of whole numbers, the neighbour beyond the wanted value
-        self.others: list[float] = []  # further values that do it, to the width of a step
-
     def solve(self, present: float | None) -> None:
         """Of several solutions the one nearest to `present`, by Brent or by halving."""
-        places, line = self.places, list[tuple[float, float | None]]()
-        for value in places.places():
-            here = (value, self._evaluate(value))
+        line = list[tuple[float, float | None]]()
+        for value in self.places():
+            here = (value, self.evaluate(value))
             if line and (line[-1][1] is None) != (here[1] is None):
                 ends = sorted((line[-1], here), key=lambda sample: sample[1] is None)
                 (inside, figure), (without, _) = ends
@@ -227,22 +196,22 @@ class _Search:
             return
 
         def distance(pair: tuple[Sample, Sample]) -> float:
-            if present is None or (places.log and present <= 0):
+            if present is None or (self.log and present <= 0):
                 return 0.0
-            now = places.scaled(present)
-            return max(places.scaled(pair[0][0]) - now, now - places.scaled(pair[1][0]), 0.0)
+            now = self.scaled(present)
+            return max(self.scaled(pair[0][0]) - now, now - self.scaled(pair[1][0]), 0.0)
 
         chosen = min(crossings, key=distance)
         self.others = [pair[0][0] for pair in crossings if pair is not chosen]
-        (self._halve if places.whole else self._brent)(*chosen)
+        (self._halve if self.whole else self._brent)(*chosen)
 
     def _edge(self, sample: Sample, without: float) -> tuple[Sample, float]:
         """Between a value of the parameter with a read-out and one without: where they meet."""
         for _ in range(_HALVINGS):
-            middle = self.places.middle(sample[0], without)
+            middle = self.middle(sample[0], without)
             if middle in (sample[0], without):
                 break
-            figure = self._evaluate(middle)
+            figure = self.evaluate(middle)
             if figure is None:
                 without = middle
             else:
@@ -255,11 +224,11 @@ class _Search:
 
     def _brent(self, one: Sample, other: Sample) -> None:
         known = dict((one, other))
-        on_log = self.places.log and one[0] > 0
+        on_log = self.log and one[0] > 0
 
         def excess(scaled: float) -> float:
             value = math.exp(scaled) if on_log else scaled
-            figure = self._evaluate(value)
+            figure = self.evaluate(value)
             if figure is None:  # a gap inside: the step that is left is as good as it gets
                 raise _Gap
             known[value] = figure
@@ -274,8 +243,8 @@ class _Search:
     def _halve(self, low: Sample, high: Sample) -> None:
         """Two neighbouring whole numbers about the wanted value, the nearer one in `at`."""
         while high[0] - low[0] > 1.0:
-            middle = self.places.middle(low[0], high[0])
-            figure = self._evaluate(middle)
+            middle = self.middle(low[0], high[0])
+            figure = self.evaluate(middle)
             if figure is None:
                 break
             if self._between(low[1], figure):
@@ -286,6 +255,31 @@ class _Search:
         self.beside = None if self.at[1] == self.wanted else other
 
 
+def _search_range(parameter: Parameter, present: object, given: str, option: str) -> _Search:
+    """The range given as ``LOW:HIGH``, else the parameter's own, else about its present value."""
+    if parameter.kind not in ("number", "integer"):
+        raise UsageError(
+            f"{option}: {parameter.name} is {parameter.allowed()}, not a number "
+            "that can be solved for"
+        )
+    whole = parameter.kind == "integer"
+    if given:
+        low, high = low_high(option, given)
+        return _Search(low, high, low > 0 and high / low >= _LOG_FROM, whole)
+    bound_low, bound_high = parameter.param.low, parameter.param.high
+    now = float(present) if isinstance(present, int | float) and present else 1.0
+    high = bound_high if bound_high is not None else abs(now) * 10.0**_DECADES
+    if bound_low is None:
+        return _Search(-high if bound_high is None else now - abs(high), high, False, whole)
+    if bound_low != 0.0 or whole:
+        log = bound_low > 0 and high / bound_low >= _LOG_FROM
+        return _Search(bound_low, high, log, whole)
+    # From next to nothing on; the present value is well inside.
+    low = min(high * _SMALLEST, abs(now) * 1e-3)
+    zero = not parameter.param.above and not (parameter.empty and parameter.param.zero_is_empty)
+    return _Search(low, high, True, zero=zero)
+
+
 # What was found, in words.
 
 
@@ -293,7 +287,7 @@ def _found(search: _Search, port: str, unit: str, figure: Figure) -> str:
     assert search.at is not None
     value, result = search.at
     # What is found is typed in again: with the six digits of figures it would be off by 1e-6.
-    found = int(value) if search.places.whole else float(f"{value:.10g}")
+    found = int(value) if search.whole else float(f"{value:.10g}")
     text = f"{port} = {found!r} {unit}".rstrip()
     text += f": {figure.text} = {shown_value(result, figure.unit)}"
     if search.beside is not None:
