@@ -3,7 +3,7 @@
 import math
 import time
 from collections.abc import Callable
-from functools import cached_property, partial
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -17,7 +17,6 @@ from core.evaluation.work import Policy, Precision
 from core.machine import ForEach
 from core.network.network import Network
 from core.physics.detector.detector_mtf import MODELS, charge_transfer_mtf, charge_transfer_ptf
-from core.records import dataclass
 from core.transfer.factors import Grid, Planar, Product
 from core.transfer.planar_blocks import Planes
 
@@ -96,53 +95,40 @@ def _of_picture(
     return {**took, "error": float(wrong)}
 
 
-@dataclass(frozen=True)
-class Otf:
-    kodak: timing.Kodak
-    network: Network
+def _otf(kodak: timing.Kodak, network: Network) -> tuple[Planar, Grid]:
+    factor = kodak.engine.plan(network).output("optics.mtf").factors[0]
+    assert isinstance(factor, Planar)
+    return factor, _grid(kodak, network)
 
-    @cached_property
-    def factor(self) -> Planar:
-        factor = self.kodak.engine.plan(self.network).output("optics.mtf").factors[0]
-        assert isinstance(factor, Planar)
-        return factor
 
-    @cached_property
-    def grid(self) -> Grid:
-        return _grid(self.kodak, self.network)
+def _of_blocks(kodak: timing.Kodak, grid: Grid, block: Callable[[slice], Any]) -> float:
+    """Seconds of all blocks of rows, with an empty store."""
+    kodak.store.clear()
+    slices = [slice(top, top + ROWS_AT_ONCE) for top in range(0, grid.rows, ROWS_AT_ONCE)]
+    start = time.perf_counter()
+    kodak.work.for_each(block, slices)
+    return time.perf_counter() - start
 
-    def direct(self) -> float:
-        """Seconds of evaluating it at every frequency, with nothing computed before."""
-        xi, eta = self.grid.axes("reflect")
-        across, along = xi[np.newaxis, :], eta[:, np.newaxis]
-        return self.of_blocks(lambda at: self.factor.transfer(self.kodak.work, across, along[at]))
 
-    def plane(self) -> float:
-        """Seconds of the plane as a picture's filter takes it."""
-        return self.of_blocks(self.planes().block)
+def _direct(kodak: timing.Kodak, factor: Planar, grid: Grid) -> float:
+    """Seconds of evaluating an OTF at every frequency, with nothing computed before."""
+    xi, eta = grid.axes("reflect")
+    across, along = xi[np.newaxis, :], eta[:, np.newaxis]
+    return _of_blocks(kodak, grid, lambda at: factor.transfer(kodak.work, across, along[at]))
 
-    def planes(self) -> Planes:
-        return Planes(self.kodak.work, Product([self.factor]), self.grid, "reflect")
 
-    def of_blocks(self, block: Callable[[slice], Any], *, known: bool = False) -> float:
-        """Seconds of all blocks of rows, with an empty store unless it is `known`."""
-        if not known:
-            self.kodak.store.clear()
-        tops = range(0, self.grid.rows, ROWS_AT_ONCE)
-        slices = [slice(top, top + ROWS_AT_ONCE) for top in tops]
-        start = time.perf_counter()
-        self.kodak.work.for_each(block, slices)
-        return time.perf_counter() - start
+def _plane(kodak: timing.Kodak, factor: Planar, grid: Grid) -> float:
+    """Seconds of an OTF's plane as a picture's filter takes it."""
+    return _of_blocks(kodak, grid, Planes(kodak.work, Product([factor]), grid, "reflect").block)
 
-    def lags_mm(self) -> tuple[Array, Array]:
-        rows, columns = places_of(self.grid.rows)
-        xi, eta = self.grid.axes("reflect")[0][columns], self.grid.axes("reflect")[1][rows]
-        return WAVELENGTH_UM * xi, WAVELENGTH_UM * eta
 
-    def error(self, shape: str) -> float:
-        x, y = self.lags_mm()
-        found = self.factor.transfer(self.kodak.work, x / WAVELENGTH_UM, y / WAVELENGTH_UM)
-        return float(np.abs(found - expected_at(shape, x, y)).max())
+def _pupil_error(kodak: timing.Kodak, factor: Planar, grid: Grid, shape: str) -> float:
+    (rows, columns), (xi, eta) = places_of(grid.rows), grid.axes("reflect")
+    lags = WAVELENGTH_UM * xi[columns], WAVELENGTH_UM * eta[rows]
+    found = factor.transfer(kodak.work, *(lag / WAVELENGTH_UM for lag in lags))
+    half_moon, pairs = shape == "half_moon", zip(*map(np.ndarray.tolist, lags), strict=True)
+    expected = [truth.pupil_otf(RADIUS_MM, *pair, half_moon=half_moon) for pair in pairs]
+    return float(np.abs(found - np.array(expected)).max())
 
 
 def places_of(size: int) -> tuple[Array, Array]:
@@ -153,11 +139,6 @@ def places_of(size: int) -> tuple[Array, Array]:
     near = [math.floor(x) for x in np.geomspace(1, size - 1, POINTS // 4)]
     columns[: POINTS // 4], rows[POINTS // 4 : POINTS // 2] = near, near
     return rows, columns
-
-
-def expected_at(shape: str, x_mm: Array, y_mm: Array) -> Array:
-    of_shape = partial(truth.pupil_otf, RADIUS_MM, half_moon=shape == "half_moon")
-    return np.array([of_shape(float(x), float(y)) for x, y in zip(x_mm, y_mm, strict=True)])
 
 
 def pupil_network(network: Network, shape: str, size: int, sampled: str = "") -> Network:
@@ -179,10 +160,11 @@ def pupil_sampling(settings: timing.Settings) -> list[Table]:
     for shape, how in kinds:
         for size in (0, *_sizes(settings)) if how == "bilinear" else _sizes(settings):
             network = pupil_network(kodak.network, shape, size or 512, how if size else "")
-            otf, method = Otf(kodak, network), how if size else "exact"
+            otf, method = _otf(kodak, network), how if size else "exact"
             row = {"shape": shape, "method": method, "choice": f"{size}²" if size else "exact"}
-            took = timing.paired(otf.direct, t0, pairs=settings.slow_pairs, warm_up=1)
-            error = otf.error(shape)
+            direct = partial(_direct, kodak, *otf)
+            took = timing.paired(direct, t0, pairs=settings.slow_pairs, warm_up=1)
+            error = _pupil_error(kodak, *otf, shape)
             rows.append({**row, "curve": f"{shape}, {method}", **took, "error": error})
     heads = {"shape": "pupil", "method": "method", "choice": "OTF", **T0_HEADS}
     heads["error"] = "largest error"
@@ -224,9 +206,9 @@ def wavelengths(settings: timing.Settings) -> list[Table]:
         means = [truth.disc_band_mean(mp, float(f), 2 * radius * sample_mm, (3, 5)) for f in xi]
         for count in (1, 3, 9, 33) if settings.quick else (1, 2, 3, 5, 9, 17, 33, 129):
             network = kodak.network.with_parameter("pupil", "radius", radius)
-            otf = Otf(kodak, network.with_parameter("optics", "wavelengths", count))
-            computed = otf.factor.transfer(kodak.work, xi, np.zeros_like(xi))
-            took = timing.paired(otf.plane, t0, pairs=3, warm_up=1)
+            otf = _otf(kodak, network.with_parameter("optics", "wavelengths", count))
+            computed = otf[0].transfer(kodak.work, xi, np.zeros_like(xi))
+            took = timing.paired(partial(_plane, kodak, *otf), t0, pairs=3, warm_up=1)
             error = float(np.abs(computed - np.array(means)).max())
             rows.append({"aperture": aperture, "choice": count, **took, "error": error})
     text = (

@@ -118,7 +118,6 @@ STYLE: Any = {"font.size": 10.5, "axes.labelsize": 11.0, "axes.axisbelow": True}
 
 
 def chart_png(table: Table, *, titled: bool = True) -> bytes | None:
-    """The table's picture; None where it has none, or nothing was measured."""
     chart = table.chart
     rows = [row for row in table.rows if chart is not None and chart.draws(row)]
     if chart is None or not rows:

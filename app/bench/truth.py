@@ -46,7 +46,6 @@ class Sensor:
         return np.asarray(otf)
 
     def charge(self, xi: Array) -> Array:
-        """Transfer function of the charge transfers, complex."""
         w = 2 * PI * np.longdouble(self.interval_mrad) * xi
         lost = np.longdouble(self.lost)
         one = (1 - lost) / (1 - lost * (np.cos(w) - 1j * np.sin(w)))

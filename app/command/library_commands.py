@@ -257,7 +257,6 @@ def handbook(stop: Stop, word: str, html: Path | None, path: bool, json: bool) -
 
 
 def _open_page(page: Path) -> None:
-    """Show a page in the browser, where there is one, and a display for it."""
     import webbrowser  # only where a page is opened
 
     displays = ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER")

@@ -44,7 +44,6 @@ def _carry_out(stop: Stop) -> None:
 
 
 def _stop_at_end_of_input(stop: Stop) -> None:
-    """Stop when who started this has gone, or wants it to."""
     with contextlib.suppress(OSError):
         while os.read(0, 4096):  # not by `sys.stdin`, whose lock the interpreter's end needs
             pass

@@ -418,7 +418,6 @@ def scales_of(free: Sequence[chain_transfer.FreeParameter], values: Vector) -> V
 
 
 def end_of(parameter: chain_transfer.FreeParameter, value: float, scale: float) -> str:
-    """At which end of its range a value lies: ``low``, ``high``, or neither, an empty text."""
     if value - parameter.low <= _AT_END * scale:
         return "low"
     if parameter.high - value <= _AT_END * scale:

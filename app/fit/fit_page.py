@@ -218,7 +218,6 @@ def noise_png(noise: NoiseComparison) -> bytes:
 
 
 def _means(distance: Vector, rest: Vector) -> tuple[Vector, Vector, Vector]:
-    """Means over equal distances: place, mean and standard error."""
     place = np.floor(distance / _BIN).astype(np.intp)
     first = int(place.min())
     count = np.bincount(place - first)

@@ -115,7 +115,6 @@ def _reach(fit: ChainFit, cost: Cost, index: int) -> float | None:
 
 
 def _groups(blind: Matrix) -> list[list[int]]:
-    """Parameters that share directions in which nothing changes."""
     groups: list[set[int]] = []
     for row in blind:
         members = set(np.flatnonzero(np.abs(row) > _SHARE * np.abs(row).max()).tolist())
@@ -362,7 +361,6 @@ def _at_ends(fit: ChainFit, known: Identified) -> list[str]:
 
 
 def hardly_determined(value: float | None, sigma: float | None) -> bool:
-    """Whether a fitted value's standard error says that it may as well be another."""
     return value is not None and sigma is not None and sigma > _UNCERTAIN * abs(value)
 
 

@@ -18,59 +18,46 @@ from typing import Any
 
 from app.report.drawing.picture_drawing import load_matplotlib
 from core.errors import ImagechainError
-from core.records import dataclass
 
 Figure = Callable[[str], str]
 _SOURCE = re.compile(r"^(\w+)\.md\b")
 _REMARK = re.compile(r"^<!--.*-->\n", re.MULTILINE)  # such as marks to write between
 
 
-@dataclass
-class Rendered:
-    title: str = ""
-    lead: str = ""
-    body: str = ""
-    words: str = ""
-
-
-def rendered(text: str, modules: Mapping[str, str], figure: Figure) -> Rendered:
-    parser = _parser()
-    page = Rendered()
-    tokens = parser.parse(_REMARK.sub("", text))
-    _name_headings(tokens, page)
-    _link(tokens, modules)
-    _wrap_tables(tokens)
-    parser.add_render_rule("fence", _fence(figure))
-    page.body = parser.renderer.render(tokens, parser.options, {})
-    with_words = ("inline", "fence", "code_block")
-    page.words = " ".join(token.content for token in tokens if token.type in with_words)
-    paragraphs = (token.content for token in tokens if token.type == "inline")
-    next(paragraphs, "")
-    page.lead = next(paragraphs, "")
-    return page
-
-
-def anchor_of(text: str) -> str:
-    """The name by which a title can be linked to."""
-    return re.sub(r"[^\w]+", "-", text.casefold()).strip("-")
-
-
-def _parser() -> Any:
+def rendered(text: str, modules: Mapping[str, str], figure: Figure) -> tuple[str, str, str, str]:
+    """Title, lead, body and words of a page."""
     # Imported only where pages are made.
     from markdown_it import MarkdownIt
 
-    return MarkdownIt("commonmark", {"html": False}).enable("table")
+    parser = MarkdownIt("commonmark", {"html": False}).enable("table")
+    tokens = parser.parse(_REMARK.sub("", text))
+    title = _name_headings(tokens)
+    _link(tokens, modules)
+    _wrap_tables(tokens)
+    parser.add_render_rule("fence", _fence(figure))
+    body = parser.renderer.render(tokens, parser.options, {})
+    with_words = ("inline", "fence", "code_block")
+    words = " ".join(token.content for token in tokens if token.type in with_words)
+    _, lead, *_ = [*(token.content for token in tokens if token.type == "inline"), "", ""]
+    return title, lead, body, words
 
 
-def _name_headings(tokens: list[Any], page: Rendered) -> None:
+def anchor_of(text: str) -> str:
+    return re.sub(r"[^\w]+", "-", text.casefold()).strip("-")
+
+
+def _name_headings(tokens: list[Any]) -> str:
+    """Give headings their anchors; returns the title."""
+    title = ""
     for token, inline in pairwise(tokens):
         if token.type != "heading_open":
             continue
         text = re.sub(r"[*`]", "", inline.content)
         if token.tag == "h1":
-            page.title = text
+            title = text
         else:
             token.attrSet("id", anchor_of(text))
+    return title
 
 
 def _link(tokens: list[Any], modules: Mapping[str, str]) -> None:

@@ -129,14 +129,14 @@ def handbook_files(
             return frame.piece(f"{kind}_cameras.html", cameras=[camera(name) for name in names])
         return page_figure(words, engine)
 
-    for name, title in page_titles().items():
-        progress(title)
+    for name, known in page_titles().items():
+        progress(known)
         addresses = {entry.title: module_address(entry.key) for entry in declared}
-        page = rendered(_source(name), addresses, figure)
-        body = page.body + (reference(declared) if name == figures.REFERENCE else "")
+        title, lead, body, words = rendered(_source(name), addresses, figure)
+        body += reference(declared) if name == figures.REFERENCE else ""
         address = f"{name}.html"
-        yield address, frame.page(address, "page_frame.html", page.title, body=body)
-        found.append([address, page.title, _plain(page.lead), _plain(page.words)])
+        yield address, frame.page(address, "page_frame.html", title, body=body)
+        found.append([address, title, _plain(lead), _plain(words)])
     for entry in declared:
         progress(entry.title)
         address = module_address(entry.key)
@@ -162,7 +162,6 @@ def handbook_files(
 
 
 def reference(declared: list[Declaration]) -> str:
-    """The list of all modules, by group, as a piece of a page."""
     parts = []
     for group, members in groupby(declared, key=lambda entry: entry.group):
         rows = "".join(
@@ -292,7 +291,6 @@ def _source(name: str) -> str:
 
 
 def _plain(text: str) -> str:
-    """Words without Markdown's signs."""
     return " ".join(text.replace("`", "").replace("*", "").replace("\\", "").split())
 
 
@@ -310,7 +308,6 @@ def _plain(text: str) -> str:
 
 
 def page_figure(words: str, engine: Engine) -> str:
-    """The drawings, side by side, as a piece of a page."""
     lines = [line.split(maxsplit=2) for line in words.splitlines() if line.strip()]
     named = [line[1] for line in lines if line[0] == "network"]
     given = [line[1] for line in lines if line[0] == "set"]
@@ -342,7 +339,6 @@ def page_figure(words: str, engine: Engine) -> str:
 
 
 def _measured(samples: NDArray[Any], kind: str, caption: str) -> str:
-    """A measurement's drawing of a picture: its edges, or their MTF."""
     # Imported only where a page has one: all that measures.
     from app.measure.measurement_page import edges_png, mtf_png
     from app.measure.measuring import measure_pictures
@@ -363,7 +359,6 @@ _SYMBOL = re.compile(r"(?<![\w_])([^\W\d_]{1,3})_([^\W_]{1,5})(?![\w_])")
 
 
 def module_page(declared: Declaration, addresses: Mapping[str, str] = _NONE) -> dict[str, Any]:
-    """The parts of the page, as pieces of it."""
     others = {title: at for title, at in addresses.items() if title != declared.title}
     paragraphs, sources, errata = parted(declared.text)
     names = {parameter.name for parameter in declared.parameters}
@@ -388,7 +383,6 @@ def drawn(tex: str) -> str:
 
 
 def parted(text: str) -> tuple[list[str], list[str], list[str]]:
-    """Paragraphs of a module's text, its sources and its errata."""
     paragraphs: list[str] = []
     marked: dict[str, list[str]] = {"S": [], "E": []}
     for paragraph in text.split("\n\n"):

@@ -264,7 +264,6 @@ def with_frames(
 
 
 def _missing(no_gain: str, no_read: str) -> str:
-    """Why there is no gain, and no read noise; each empty where there is."""
     if no_gain and no_gain == no_read:
         return f"no gain and no read noise: {no_gain}"
     parts = (("no gain", no_gain), ("no read noise", no_read))

@@ -126,7 +126,6 @@ class PictureMeasurement:
 
 
 def picture_name(files: "Sequence[PictureFile]", number: int) -> str:
-    """The name of a picture, with the frame's number in a file of several."""
     file, frame = file_of(files, number)
     return file.name if file.frames == 1 else f"{file.name}, frame {frame}"
 
@@ -173,12 +172,10 @@ class PictureFile:
 
     @classmethod
     def of(cls, name: str, frames: Sequence[NDArray[Any]], **about: Any) -> "PictureFile":
-        """Frames of one size that are in memory."""
         rows, columns = frames[0].shape
         return cls(name, rows, columns, len(frames), samples=frames, **about)
 
     def pictures(self) -> Iterator[Matrix]:
-        """The frames in turn, in double precision."""
         if self.samples is not None or self.frames > 1 or self.is_stack:
             for frame in self.samples or open_frames(Path(self.name)).each():
                 yield np.asarray(frame, np.float64)

@@ -69,7 +69,6 @@ def _noise_facts(evaluation: Evaluation) -> Fact:
 
 
 def _noise_of(work: Work, image: Image) -> Fact:
-    """All noise of this one picture: its deviation, and what it adds to the mean."""
     clean = work.value(noise_free(image.recipe))
     noise = statistics(np.subtract(work.value(image.recipe), clean), for_each=work.for_each)
     return {"together": noise.sigma, "together_mean": noise.mean}
@@ -114,7 +113,6 @@ def _of_axis(share: Any, place: int, axis: str) -> Fact:
 
 
 def budget(facts: Fact) -> list[str]:
-    """The section, with the reason where there is no noise or no blur."""
     contributions = facts["budget"]
     noise, blur = contributions["noise"], contributions["blur"]
     blocks = [html.heading(2, "Contributions to noise and blur")]
@@ -285,7 +283,6 @@ def _responses(evaluation: Evaluation) -> list[Fact]:
 
 
 def spectrum(facts: Fact) -> list[str]:
-    """The section; empty where no picture has bands."""
     spectra, responses = facts["spectra"]["means"], facts["spectra"]["responses"]
     if not spectra:
         return []

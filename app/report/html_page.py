@@ -100,7 +100,6 @@ TEMPLATES = Path(__file__).with_name("templates")
 
 
 def templates(folder: Path, **how: Any) -> Any:
-    """The templates of a folder, whose values are escaped."""
     # Imported only where a page is written: 40 ms.
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
 

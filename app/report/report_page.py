@@ -75,7 +75,6 @@ def _warnings(facts: dict[str, Any]) -> list[str]:
 
 
 def _of_the_chain(facts: dict[str, Any]) -> list[dict[str, Any]]:
-    """What goes into the chain, and what it delivers."""
     inputs = [picture for picture in facts["pictures"] if picture["role"] == "input"]
     outputs = [picture for picture in facts["pictures"] if picture["role"] == "output"]
     return [*inputs[:_MOST_INPUTS], *outputs]
@@ -187,7 +186,7 @@ def _pupils(evaluation: Evaluation) -> list[str]:
             "autocorrelations of the pupils, each on its own frequency grid (axes in cyc/mrad)"
         ),
     }
-    kinds = [text for unit, text in titles.items() if any(panel.unit == unit for panel in panels)]
+    kinds = [text for unit, text in titles.items() if any(panel[-1] == unit for panel in panels)]
     caption = "; ".join(kinds).capitalize() + (". Grey levels are linear from minimum to maximum.")
     more = _not_shown(left_out)
     drawn = drawing.panels_png(panels)
@@ -285,7 +284,6 @@ Fact = dict[str, Any]
 
 
 def data_sheet(facts: Fact) -> list[str]:
-    """The section; empty of a network without a camera of today."""
     sheet = facts["data_sheet"]
     if sheet is None:
         return []
@@ -345,7 +343,6 @@ def _rounded(value: Any) -> str:
 
 
 def transfer(evaluation: Evaluation, facts: Fact) -> list[str]:
-    """The section; empty where nothing has a transfer function."""
     responses, chain = evaluation.responses, evaluation.chain
     acting = any(stage.acts for stage in responses.stages)
     if not acting and not responses.beside:
@@ -436,7 +433,6 @@ _KINDS = {
 
 
 def economy(facts: Fact) -> list[str]:
-    """The section; empty where all there is was computed."""
     budget = drawing.short(facts["run"]["tolerance"], 2)
     rows = []
     for kind, (what, why, detail) in _KINDS.items():

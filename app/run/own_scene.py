@@ -534,7 +534,6 @@ def fitted(levels: Pair, ends: Pair) -> dict[str, float]:
 
 
 def sample_ends(samples: Array) -> Pair:
-    """The lowest and the highest sample, NaN left out."""
     return float(np.nanmin(samples)), float(np.nanmax(samples))
 
 

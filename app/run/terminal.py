@@ -269,7 +269,6 @@ def version() -> str:
 
 
 def versions() -> dict[str, str]:
-    """Of the program, and of what its numbers depend on."""
     import numpy as np
     import scipy
 

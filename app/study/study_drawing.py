@@ -39,7 +39,6 @@ def trade_off_content(results: Results, path: Path) -> str | bytes:
 
 
 def trade_off_png(results: Results) -> bytes:
-    """The picture; gaps where figures have no value, a dashed line at the present value."""
     curves = []
     for points in results.curves:
         heights = [[p.figures.get(shown.text) for p in points] for shown in results.figures]

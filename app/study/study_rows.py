@@ -408,7 +408,6 @@ def write_columns(columns: Sequence[Column], path: Path, title: str) -> None:
 
 
 def csv_of(columns: Sequence[Column]) -> str:
-    """The columns with a line of names and units on top; what is not there is empty."""
     heads = [column.head for column in columns]
     return csv_lines([heads, *zip(*(map(exact, column.values) for column in columns), strict=True)])
 

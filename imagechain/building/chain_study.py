@@ -148,7 +148,6 @@ def _texts(name: str, given: Any, kind: Any, taken: str) -> list[Any]:
 
 
 def _values(label: str, values: Any) -> str | Sequence[Any]:
-    """Values of a parameter, those of an array as Python has them."""
     if isinstance(values, str) or (isinstance(values, Sequence) and not isinstance(values, bytes)):
         return values
     if hasattr(values, "__array__") and np.ndim(values) == 1:  # of numpy, pandas or xarray

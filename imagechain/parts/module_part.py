@@ -374,7 +374,6 @@ def _wavelengths(array: Any, dim: str) -> Any:
 
 
 def _interval(coordinate: Any, name: str) -> float | None:
-    """Interval of a coordinate that is an angle, mrad."""
     factor = _MRAD.get(str(coordinate.attrs.get("units", "")))
     if factor is None or len(coordinate) < 2:
         return None

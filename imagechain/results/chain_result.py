@@ -89,7 +89,6 @@ def whole_path(path: str | PathLike[str]) -> Path:
 
 
 def _bytes(memory: int | str | None) -> int | None:
-    """Bytes from a number, or a text as ``run --memory`` takes it."""
     if isinstance(memory, str):
         return size_in_bytes("memory", memory)
     if memory is None or (_is_whole(memory) and memory >= 1000):

@@ -64,7 +64,6 @@ class _Named(Mapping[str, Value]):
         return len(self._values)
 
     def _no(self, name: str) -> Exception:
-        """The error for a name that it does not have."""
         raise NotImplementedError
 
     def _ipython_key_completions_(self) -> list[str]:

@@ -23,9 +23,10 @@ from core.errors import ImagechainError, NetworkError, close, printable
 from core.network.network import Network
 from core.physics.detector.photon_conversion import SHORTEST_THERMAL_UM
 from core.physics.radiometry.planck import band_radiance, brightness_temperature
-from core.records import dataclass
 
 Array = NDArray[Any]
+Panel = tuple[str, Array, tuple[float, float, float, float], str]
+"""Title, samples, their extent (left, right, bottom, top) and its unit."""
 DPI = 144
 MOST_PANELS = 8
 MOST_DRAWN = 24
@@ -106,17 +107,17 @@ def pictures_png(pictures: list[tuple[str, Image, Array]], beside: int = 2) -> b
     return out.getvalue()
 
 
-def panels_png(panels: Sequence["Panel"]) -> bytes:
+def panels_png(panels: Sequence[Panel]) -> bytes:
     columns = 4
     rows = -(-len(panels) // columns)
     with figure(10.0, 2.6 * rows) as (drawn, out):
         axes = drawn.subplots(rows, columns, squeeze=False).ravel()
         for axis in axes[len(panels) :]:
             axis.set_visible(False)
-        for axis, panel in zip(axes, panels, strict=False):
-            axis.imshow(panel.values, cmap="gray", extent=panel.extent, aspect="equal")
-            axis.set_title(panel.title, fontsize=8)
-            axis.set_xlabel(panel.unit, fontsize=7)
+        for axis, (title, values, extent, unit) in zip(axes, panels, strict=False):
+            axis.imshow(values, cmap="gray", extent=extent, aspect="equal")
+            axis.set_title(title, fontsize=8)
+            axis.set_xlabel(unit, fontsize=7)
             axis.tick_params(labelsize=7)
             axis.locator_params(nbins=4)
             axis.grid(visible=False)
@@ -290,7 +291,6 @@ def drawn_as(network: Network) -> dict[str, str]:
 
 
 def named(caption: str, figure: str | None) -> str:
-    """The caption, with the publication's figure before it."""
     return f"As {figure}. {caption}" if figure else caption
 
 
@@ -322,16 +322,6 @@ def by_rows(items: Sequence[Any], columns: int) -> list[Any]:
     return [item for first in range(columns) for item in items[first::columns]]
 
 
-@dataclass(frozen=True)
-class Panel:
-    """A small picture with axes; `extent` is left, right, bottom, top."""
-
-    title: str
-    values: NDArray[Any]
-    extent: tuple[float, float, float, float]
-    unit: str
-
-
 def pupil_panels(evaluation: Evaluation) -> tuple[list[Panel], list[str]]:
     """Pupils, then MTFs at frequencies of their own; and the ports there was no place for."""
     ports = [
@@ -347,7 +337,7 @@ def pupil_panels(evaluation: Evaluation) -> tuple[list[Panel], list[str]]:
     for port, value in raw:
         if value.part == "ptf" and len(panels) < MOST_PANELS:
             panel = _panel(evaluation, port, value)
-            panels += [panel] if np.any(panel.values) else []
+            panels += [panel] if np.any(panel[1]) else []
     return panels, [port for port, _ in wanted[MOST_PANELS:]]
 
 
@@ -355,13 +345,13 @@ def _panel(evaluation: Evaluation, port: str, value: Pupil | Transfer) -> Panel:
     if isinstance(value, Pupil):
         samples = _real(realize(value, evaluation.work))
         rows, columns = samples.shape
-        return Panel(port, samples, (-0.5, columns - 0.5, rows - 0.5, -0.5), "samples")
+        return port, samples, (-0.5, columns - 0.5, rows - 0.5, -0.5), "samples"
     assert value.own is not None
     sampled: SampledTransfer = evaluation.work.value(value.own)
     centred = np.fft.fftshift(_real(sampled.values))
     left, right = ends(centred.shape[1], sampled.interval_x)
     top, bottom = ends(centred.shape[0], sampled.interval_y)
-    return Panel(port, centred, (left, right, bottom, top), "cyc/mrad")
+    return port, centred, (left, right, bottom, top), "cyc/mrad"
 
 
 def _real(values: NDArray[Any]) -> NDArray[Any]:

@@ -148,13 +148,14 @@ def test_a_page_of_markdown():
         "# A page\n\nWhat it is *about*.\n\n## One & two\n\n*Gaussian MTF* <b> [x](other.md#y)\n\n"
         "```math\nx^2\n```\n\n```json mine.json\n{}\n```\n\n| a |\n|---|\n| 1 |\n"
     )
-    page = rendered(text, {"Gaussian MTF": "modules/gaussian_mtf.html"}, lambda _: "")
-    assert (page.title, page.lead) == ("A page", "What it is *about*.")
-    assert '<h2 id="one-two">' in page.body
-    assert '<a href="modules/gaussian_mtf.html">Gaussian MTF</a> &lt;b&gt;' in page.body
-    assert '<a href="other.html#y">x</a>' in page.body
-    assert '<svg class="formula"' in page.body
-    assert '<div class="wide">\n<table>' in page.body
+    addresses = {"Gaussian MTF": "modules/gaussian_mtf.html"}
+    title, lead, body, _ = rendered(text, addresses, lambda _: "")
+    assert (title, lead) == ("A page", "What it is *about*.")
+    assert '<h2 id="one-two">' in body
+    assert '<a href="modules/gaussian_mtf.html">Gaussian MTF</a> &lt;b&gt;' in body
+    assert '<a href="other.html#y">x</a>' in body
+    assert '<svg class="formula"' in body
+    assert '<div class="wide">\n<table>' in body
     assert [(b.kind, b.name, b.text) for b in blocks_of(text)][1] == ("json", "mine.json", "{}\n")
 
 
