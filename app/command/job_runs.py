@@ -11,15 +11,10 @@ import numpy as np
 
 from app.command.network_run import KEPT_BYTES, Stage, input_files
 from app.command.options import write_content
+from app.run import option_values, overrides, saving, shipped, terminal, transfer_chain
 from app.run.evaluation import Evaluation, TimedWork, planned, way_of_running
 from app.run.job import FRAMES, REPORT, Job, Preview, Result, Steps
-from app.run.option_values import Assignment, Save
-from app.run.overrides import GivenNetwork, Variation, named_parameter
-from app.run.saving import encode_png, grey_levels, robust_limits
-from app.run.shipped import Place
 from app.run.staging import Staging, WriteRecord, WriteRules, check_folder, read_record, real_target
-from app.run.terminal import too_late, warning_lines
-from app.run.transfer_chain import find_output
 from app.study.study_drawing import trade_off_content
 from app.tradeoff.tradeoff_results import default_figures, shown_value, trade_off
 from core.atomic import write_text
@@ -61,7 +56,7 @@ class _Runs:
         self, job: Job, network: Network, cancel: threading.Event | None, steps: Steps
     ) -> None:
         self._job, self._network, self._cancel, self._steps = job, network, cancel, steps
-        self._place = Place(_path(job), _path(job).stem)
+        self._place = shipped.Place(_path(job), _path(job).stem)
         reported = job.report or job.kind == "report"
         self._engine = Engine(standard_library(), None if reported else Store(KEPT_BYTES))
         self._rules = self._write_rules()
@@ -98,7 +93,7 @@ class _Runs:
                 table = printable(csv_lines([["run", *columns], *rows]))
                 staging.write(job.output / READOUT_TABLE, partial(write_text, content=table))
             self._work().check()
-            too_late(self._cancel)
+            terminal.too_late(self._cancel)
             if job.path is None:  # there is no network to record it of
                 staging.commit()
             elif forgotten := self._rules.commit(staging):
@@ -120,7 +115,7 @@ class _Runs:
             node, _, parameter = job.target.rpartition(".")
             # The window's file names are relative to the network, not to this process.
             given = str(self._place.folder / value) if job.kind == "files" else value
-            network = self._with((Assignment(node, parameter, json.dumps(given)),))
+            network = self._with((option_values.Assignment(node, parameter, json.dumps(given)),))
             network = _writing_to(network, library, folder)
         plan = planned(self._engine, network, self._place.folder)
         way = way_of_running(plan, _POLICY, None)
@@ -128,15 +123,15 @@ class _Runs:
             self._engine.store.capacity_bytes = store.capacity_bytes
         for path in input_files(plan):
             staging.protect(path)
-        saves: tuple[Save, ...] = ()
+        saves: tuple[option_values.Save, ...] = ()
         if job.frames:
-            port = find_output(plan)
+            port = transfer_chain.find_output(plan)
             if port.port is None:
                 raise UsageError(
                     f"{port.missing}: press O on the node whose picture you want as frames"
                 )
             node, _, picture = port.port.rpartition(".")
-            saves = (Save(node, picture, str(folder / FRAMES)),)
+            saves = (option_values.Save(node, picture, str(folder / FRAMES)),)
         self._steps.part(name, nodes=len(plan.nodes))
         reports = (job.output,) if alone else (folder / REPORT,) if job.report else ()
         stage = Stage(
@@ -144,7 +139,7 @@ class _Runs:
             only_report=alone, saves=saves, frames=job.frames or None, reports=reports,
         )  # fmt: skip
         evaluation, _ = stage.prepare(self._engine, plan, self._work(), start=start)
-        lines = warning_lines(evaluation.cautions)
+        lines = terminal.warning_lines(evaluation.cautions)
         self._warnings += [f"{name}: {line}" if name else line for line in lines]
         self._figures[name] = {
             f"{node}.{readout}": value
@@ -158,7 +153,7 @@ class _Runs:
             samples = realize(evaluation.plan.output(evaluation.chain.final), evaluation.work)
             step = max(1, -(-max(samples.shape) // PREVIEW_PX))
             few = np.ascontiguousarray(samples[::step, ::step])
-            png = encode_png(grey_levels(*robust_limits(samples), few))
+            png = saving.encode_png(saving.grey_levels(*saving.robust_limits(samples), few))
             self._previews.append(Preview(name, png))
         if self._job.kind == "report":
             self._steps.part("writing the report")
@@ -169,10 +164,10 @@ class _Runs:
             return None
         network, library = self._with(), self._engine.library
         node, _, name = job.target.rpartition(".")
-        setting = Assignment(node, name, "")
-        parameter = named_parameter("sweep", setting, network, library=library)
+        setting = option_values.Assignment(node, name, "")
+        parameter = overrides.named_parameter("sweep", setting, network, library=library)
         assert parameter is not None  # the network has been checked
-        varied = Variation(node, parameter, job.values, job.log)
+        varied = overrides.Variation(node, parameter, job.values, job.log)
         plan = self._engine.plan(network, folder=self._place.folder)
         shown = [f"{varied.text} = {shown_value(value, varied.unit)}" for value in job.values]
 
@@ -195,8 +190,9 @@ class _Runs:
             staging.write(job.output / file, partial(write_content, content=content))
         return job.output / TRADE_OFF_PAGE
 
-    def _with(self, settings: tuple[Assignment, ...] = ()) -> Network:
-        return GivenNetwork(self._place, settings).changed(self._network, self._engine.library)[0]
+    def _with(self, settings: tuple[option_values.Assignment, ...] = ()) -> Network:
+        asked = overrides.GivenNetwork(self._place, settings)
+        return asked.changed(self._network, self._engine.library)[0]
 
     def _work(self) -> TimedWork:
         return TimedWork(_POLICY, self._engine.store, self._cancel, self._steps.node)

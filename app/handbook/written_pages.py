@@ -19,9 +19,7 @@ from numpy.typing import NDArray
 from app.handbook import example_figures as figures
 from app.handbook.markdown_text import FormulaError, anchor_of, formula_svg, rendered
 from app.report.html_page import templates
-from app.run.option_values import assignment
-from app.run.overrides import with_settings
-from app.run.shipped import find_network
+from app.run import option_values, overrides, shipped
 from app.user_folders import FOLDERS
 from core.chain.engine import Engine
 from core.chain.wires import Curve, Pupil
@@ -311,13 +309,13 @@ def page_figure(words: str, engine: Engine) -> str:
     lines = [line.split(maxsplit=2) for line in words.splitlines() if line.strip()]
     named = [line[1] for line in lines if line[0] == "network"]
     given = [line[1] for line in lines if line[0] == "set"]
-    settings = [assignment("set", text, "NODE.PARAM=VALUE") for text in given]
+    settings = [option_values.assignment("set", text, "NODE.PARAM=VALUE") for text in given]
     shown = [line for line in lines if line[0] not in ("network", "set")]
     drawings = []
     if named:
-        place = find_network(named[0])
+        place = shipped.find_network(named[0])
         network = load_network(place.path, library=engine.library)
-        network = with_settings(network, settings, library=engine.library)
+        network = overrides.with_settings(network, settings, library=engine.library)
         plan, work = engine.plan(network, folder=place.folder), engine.work(Policy())
     for kind, what, *caption in shown:
         text = caption[0] if caption else what
@@ -340,15 +338,17 @@ def page_figure(words: str, engine: Engine) -> str:
 
 def _measured(samples: NDArray[Any], kind: str, caption: str) -> str:
     # Imported only where a page has one: all that measures.
-    from app.measure.measurement_page import edges_png, mtf_png
-    from app.measure.measuring import measure_pictures
-    from app.measure.picture_measurement import PictureFile
+    from app.measure import measurement_page, measuring, picture_measurement
 
     picture = np.asarray(samples, np.float64)
-    measured = measure_pictures([PictureFile.of("picture", [picture])])
+    measured = measuring.measure_pictures(
+        [picture_measurement.PictureFile.of("picture", [picture])]
+    )
     if kind == "edges":
-        return figures.png_figure(edges_png(measured, measured.previews[0]), caption, kind)
-    return figures.png_figure(mtf_png(measured), caption, kind)
+        return figures.png_figure(
+            measurement_page.edges_png(measured, measured.previews[0]), caption, kind
+        )
+    return figures.png_figure(measurement_page.mtf_png(measured), caption, kind)
 
 
 # What stands on a module's page, from its declaration.

@@ -11,10 +11,7 @@ from numpy.typing import NDArray
 from app.measure import picture_measurement as results
 from app.measure.measurement_text import exceeds_one, in_words
 from core.errors import DataError, ParameterError
-from core.physics.measurement import picture_noise
-from core.physics.measurement.edge_mtf import LARGEST_ANGLE_DEG, MtfCurve, measure_edge, pooled_mtf
-from core.physics.measurement.edge_search import find_edges
-from core.physics.measurement.found_edge import FoundEdge, missing_samples, why_interpolated
+from core.physics.measurement import edge_mtf, edge_search, found_edge, picture_noise
 from core.physics.sampling.detector_sampling import interval_mrad
 from core.records import replace
 from nodes.files.frames import open_frames
@@ -92,13 +89,15 @@ def measure_pictures(
             edges += [replace(edge, why_not=edge.why_not or results.WITH_LOSS) for edge in own]
             continue
         edges += own
-        interpolated = why_interpolated(picture=picture) if any(e.used for e in own) else ""
+        interpolated = (
+            found_edge.why_interpolated(picture=picture) if any(e.used for e in own) else ""
+        )
         if interpolated:
             warnings.append(f"{name}: {interpolated}. {_INTERPOLATED}")
             no_noise.append(interpolated)
             continue
         try:
-            missing = missing_samples(picture=picture)
+            missing = found_edge.missing_samples(picture=picture)
             how: Any = {"avoid": missing, "offset": offset, "check": check}
             noises.append(picture_noise.noise_of_picture(picture=picture, **how))
         except DataError as error:  # numbers too large or too small for it
@@ -312,18 +311,20 @@ def edges_of(
     clip_levels: tuple[float, float] | None = None,
     check: Callable[[], None] = lambda: None,
 ) -> tuple[results.MeasuredEdge, ...]:
-    seen = find_edges(picture=picture, clip_levels=clip_levels, interpolated_too=True, check=check)
+    seen = edge_search.find_edges(
+        picture=picture, clip_levels=clip_levels, interpolated_too=True, check=check
+    )
     return tuple(_measured(picture, number, edge, check) for edge in seen)
 
 
 def _measured(
-    picture: Matrix, number: int, edge: FoundEdge, check: Callable[[], None]
+    picture: Matrix, number: int, edge: found_edge.FoundEdge, check: Callable[[], None]
 ) -> results.MeasuredEdge:
     if not edge.used:
         return results.MeasuredEdge(number, edge, None, edge.why_not)
     try:
         frequency = np.array(results.FREQUENCIES)
-        curve = measure_edge(picture=picture, edge=edge, frequency=frequency, check=check)
+        curve = edge_mtf.measure_edge(picture=picture, edge=edge, frequency=frequency, check=check)
     except DataError as error:
         return results.MeasuredEdge(number, edge, None, error.message)
     return results.MeasuredEdge(number, edge, curve, "")
@@ -331,10 +332,10 @@ def _measured(
 
 def pooled(
     edges: Sequence[results.MeasuredEdge], direction: Literal["x", "y"]
-) -> tuple[MtfCurve | None, str]:
+) -> tuple[edge_mtf.MtfCurve | None, str]:
     """The MTF of all used edges whose normals lie near an axis, or the reason why there is none."""
     curves = [edge.curve for edge in edges if edge.used and edge.curve is not None]
-    together = pooled_mtf(edges=curves, axis=direction)
+    together = edge_mtf.pooled_mtf(edges=curves, axis=direction)
     if together is None:
         return None, _no_edge([edge for edge in edges if edge.direction == direction], direction)
     if together.edges == 1 and exceeds_one(together, _OVERSHOOT):
@@ -348,9 +349,8 @@ def pooled(
 def _no_edge(near: Sequence[results.MeasuredEdge], direction: str) -> str:
     words = "horizontal" if direction == "x" else "vertical"
     if not near:
-        return (
-            f"no straight edge with a normal within {LARGEST_ANGLE_DEG:g}° of the {words} was found"
-        )
+        most = edge_mtf.LARGEST_ANGLE_DEG
+        return f"no straight edge with a normal within {most:g}° of the {words} was found"
     if removed := sum(edge.why_not == results.BY_HAND for edge in near):
         many = "1 edge" if removed == 1 else f"{removed} edges"
         return f"you removed {many} that would give this MTF"

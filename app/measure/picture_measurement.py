@@ -8,17 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.errors import DataError, UsageError
-from core.physics.measurement import edge_mtf
-from core.physics.measurement.found_edge import FoundEdge
-from core.physics.measurement.picture_noise import FramesNoise
-from core.physics.measurement.sample_noise import LevelVariance
+from core.physics.measurement import edge_mtf, found_edge, picture_noise, sample_noise
 from core.physics.sampling.detector_sampling import interval_mrad
 from core.records import dataclass
-from nodes.files.arrays import is_npy, npy_header
+from nodes.files import arrays, picture_info, stored_bytes
 from nodes.files.formats import NPY, TIFF, check_finite, format_of, read_info, read_pixels
 from nodes.files.frames import FrameFile, open_frames, tiff_pages
-from nodes.files.picture_info import PictureInfo
-from nodes.files.stored_bytes import readable_file
 from nodes.input_output.source_file import LUMINANCE
 
 Gamma = Literal["", "possible", "usual"]
@@ -32,7 +27,7 @@ WITH_LOSS = "the file uses lossy compression (fine detail and noise are altered)
 @dataclass(frozen=True, eq=False)
 class MeasuredEdge:
     picture: int  # its number among those measured, from 0
-    found: FoundEdge  # where it is, and what of the picture belongs to it
+    found: found_edge.FoundEdge  # where it is, and what of the picture belongs to it
     curve: edge_mtf.EdgeMtf | None  # MTF along the normal; None where it was not measured
     why_not: str  # why it is not used; empty where it is
 
@@ -88,7 +83,7 @@ class NoiseFigures:
     row_sigma: float | None  # of whole rows, and columns; 0 where none stands out
     column_sigma: float | None
     step: float | None  # of the converter; None where the samples show none
-    levels: tuple[LevelVariance, ...]
+    levels: tuple[sample_noise.LevelVariance, ...]
     remarks: tuple[str, ...]
     reason: str  # why what is missing could not be measured
 
@@ -108,7 +103,7 @@ class PictureMeasurement:
     reason_y: str
     noise: NoiseFigures | None  # of the flat areas of the pictures
     noise_reason: str  # why there is none
-    frames: FramesNoise | None = None  # noise from frame to frame
+    frames: picture_noise.FramesNoise | None = None  # noise from frame to frame
     frames_reason: str = ""  # why there are none
     previews: tuple[Preview, ...] = ()  # the first pictures
     pitch_um: float | None = None  # from one pixel to the next, where it was given
@@ -212,7 +207,7 @@ def open_picture(path: Path, *, band: int | None = None) -> PictureFile:
     `band` counts from 0; without it luminance of colours, and the frames of a file whose bands have
     no wavelengths.
     """
-    file = readable_file(path)
+    file = stored_bytes.readable_file(path)
     if format_of(file) is NPY and band is None:
         frames = open_frames(file)  # of three dimensions they are frames, and no picture
         return _of_frames(path, frames, None)
@@ -232,14 +227,14 @@ def open_picture(path: Path, *, band: int | None = None) -> PictureFile:
     )  # fmt: skip
 
 
-def _band_um(info: PictureInfo, band: int | None) -> tuple[float, float] | None:
+def _band_um(info: picture_info.PictureInfo, band: int | None) -> tuple[float, float] | None:
     if band is None or info.wavelengths_um is None:
         return None
     centre, half = info.wavelengths_um[band], 0.5 * (info.fwhm_um[band] if info.fwhm_um else 0.0)
     return centre - half, centre + half
 
 
-def _gamma(info: PictureInfo) -> Gamma:
+def _gamma(info: picture_info.PictureInfo) -> Gamma:
     if info.dtype != "uint8":
         return ""
     if info.kind in _ENCODED:
@@ -247,17 +242,17 @@ def _gamma(info: PictureInfo) -> Gamma:
     return "possible" if info.kind in _PERHAPS_ENCODED else ""
 
 
-def _of_frames(path: Path, frames: FrameFile, info: PictureInfo | None) -> PictureFile:
+def _of_frames(path: Path, frames: FrameFile, info: picture_info.PictureInfo | None) -> PictureFile:
     x, y = (None, None) if info is None else _intervals(info)
     return PictureFile(
         str(path), frames.rows, frames.columns, frames.frames, 0, "", frames.unit or "", x, y,
         limits_of(frames.dtype),
         gamma="" if info is None else _gamma(info), is_lossy=info is not None and info.lossy,
-        is_stack=is_npy(frames.path) and len(npy_header(frames.path).shape) > _FLAT,
+        is_stack=arrays.is_npy(frames.path) and len(arrays.npy_header(frames.path).shape) > _FLAT,
     )  # fmt: skip
 
 
-def _chosen(path: Path, info: PictureInfo, band: int | None) -> tuple[int | None, str]:
+def _chosen(path: Path, info: picture_info.PictureInfo, band: int | None) -> tuple[int | None, str]:
     """The band that is measured, or None for luminance, and the words for it."""
     if band is not None:
         if not 0 <= band < info.bands:
@@ -277,7 +272,7 @@ def _chosen(path: Path, info: PictureInfo, band: int | None) -> tuple[int | None
     raise BandsError(path, info.bands)
 
 
-def _intervals(info: PictureInfo) -> tuple[float | None, float | None]:
+def _intervals(info: picture_info.PictureInfo) -> tuple[float | None, float | None]:
     """Angles between samples, mrad, of a header that has the field of view."""
     x, y = (
         None if fov is None else interval_mrad(fov_deg=fov, samples=samples)

@@ -20,12 +20,8 @@ from core.network.linked_values import naming
 from core.network.network import Link, Network, Node, reached
 from core.physics.radiometry.radiance_units import RadianceUnit, radiance_unit
 from core.records import dataclass, replace
-from nodes.files.envi import band_ends_um, coverage
-from nodes.files.formats import read_info, read_pixels
-from nodes.files.picture_info import PictureInfo
-from nodes.input_output.read_image import header_band
-from nodes.input_output.sample_unit import is_spectral
-from nodes.input_output.source_file import LUMINANCE, HeldSamples, luminance
+from nodes.files import envi, formats, picture_info
+from nodes.input_output import read_image, sample_unit, source_file
 from nodes.shared.context_defaults import is_radiance, is_temperature
 
 READ_IMAGE = "read_image"
@@ -85,7 +81,7 @@ class SceneReplaced:
     network: Network  # the network
     node: str  # the node that reads the picture
     lines: tuple[str, ...]  # how the picture was taken: samples, field of view, band
-    samples: HeldSamples | None = None  # those of an array
+    samples: source_file.HeldSamples | None = None  # those of an array
     ends: Pair | None = None  # what lowest and highest became, if scaled
 
 
@@ -146,9 +142,9 @@ class _Replacing:
         self._lines: list[str] = []
         self._where: list[str] = []  # field of view, distance, band
         self._kind = "samples"
-        self._held: HeldSamples | None = None
+        self._held: source_file.HeldSamples | None = None
         if isinstance(own.picture, np.ndarray):
-            self._held = HeldSamples.of(grey(own.picture))
+            self._held = source_file.HeldSamples.of(grey(own.picture))
             self._info = self._held.info
         else:
             self._info = _info(own.picture)
@@ -164,7 +160,7 @@ class _Replacing:
         values: dict[str, Any] = {}
         if self._held is None:
             values["path"] = stored or str(info.path.absolute())
-        values |= self._of_cube() if is_spectral(info) else self._of_picture()
+        values |= self._of_cube() if sample_unit.is_spectral(info) else self._of_picture()
         network = self._without_references()
         fields, network = self._geometry(network)
         values |= fields
@@ -193,7 +189,7 @@ class _Replacing:
                 f"{self._own.named('unit')} {RELATIVE}: not allowed for a cube; give a unit such "
                 "as W/m²/sr/µm"
             )
-        first, last = band_ends_um(info)
+        first, last = envi.band_ends_um(info)
         ends = float(min(first)), float(max(last))
         wanted = own.band_um or (None if before is None else before.band_um) or ends
         low, high = max(wanted[0], ends[0]), min(wanted[1], ends[1])
@@ -204,7 +200,7 @@ class _Replacing:
             )
         kept = before is not None and before.bands is not None
         how = "kept separate" if kept else "summed"
-        share = coverage(info, wanted)
+        share = envi.coverage(info, wanted)
         part = "" if (low, high) == wanted else f", {100 * share:.0f} % of {_um(wanted)}"
         outside = self._outside((low, high))
         self._lines.append(f"{info.bands} bands, {how}, {_um((low, high))}{part}{outside}")
@@ -224,11 +220,17 @@ class _Replacing:
         elif info.bands > 1:
             self._kind = f"samples, the first of {info.bands} channels (band = 0)"
         unit, stated = _worded(own.unit) or _worded(info.unit or ""), bool(own.unit)
-        band = own.band_um or header_band(info, 0) or (None if before is None else before.band_um)
+        band = (
+            own.band_um
+            or read_image.header_band(info, 0)
+            or (None if before is None else before.band_um)
+        )
         if band is not None:
             values |= {"cut_on_um": band[0], "cut_off_um": band[1]}
             found = (
-                " from the file's header" if header_band(info, 0) else " as in the original scene"
+                " from the file's header"
+                if read_image.header_band(info, 0)
+                else " as in the original scene"
             )
             whose = "" if own.band_um else found
             self._where.append(f"band {_um(band)}{whose}{self._outside(band)}")
@@ -304,9 +306,9 @@ class _Replacing:
         if self._held is not None:
             samples: Array = self._held.samples
         elif self._rgb:
-            samples = luminance(info.path, self._rgb)
+            samples = source_file.luminance(info.path, self._rgb)
         else:
-            samples = read_pixels(info.path)
+            samples = formats.read_pixels(info.path)
         first, last = sample_ends(samples)
         if not (math.isfinite(first) and math.isfinite(last)):
             raise self._refusal()
@@ -484,8 +486,8 @@ def _with(network: Network, name: str, **values: Any) -> Network:
     return network.with_node(replace(node, params=kept))
 
 
-def _info(path: Path) -> PictureInfo:
-    info = read_info(path)
+def _info(path: Path) -> picture_info.PictureInfo:
+    info = formats.read_info(path)
     if min(info.rows, info.columns) < 2:
         raise FileError(
             f"{path}: {info.columns} × {info.rows} samples; a scene needs at least 2 × 2"
@@ -496,7 +498,7 @@ def _info(path: Path) -> PictureInfo:
 def grey(array: Array) -> Array:
     """An array of two dimensions; of red, green and blue their luminance."""
     if array.ndim == 3 and array.shape[-1] in (3, 4):
-        return np.asarray(array[..., :3] @ np.array(LUMINANCE))
+        return np.asarray(array[..., :3] @ np.array(source_file.LUMINANCE))
     if array.ndim == 0:
         raise DataError(
             f"{array.item()!r:.80} is not a picture: give a file or an array (rows, columns)"

@@ -13,20 +13,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.run.option_values import Save
-from core.atomic import atomic_file, write_bytes, write_text
+from core import atomic, errors, machine
 from core.chain.engine import realize
 from core.chain.random_fields import at_frame
 from core.chain.wires import Context, Curve, CurveData, Image, Table, TableData
-from core.errors import UsageError
 from core.evaluation.recipes import Region, number_bits
 from core.evaluation.work import Policy, Work
-from core.machine import is_on_disk
-from nodes.files import formats
+from nodes.files import arrays, formats, table_cells, zarr_array
 from nodes.files import frames as frame_files
-from nodes.files.arrays import write_curves, write_matrix
 from nodes.files.file_format import CSV, ENVI_FRAMES, ZARR, Format, suffixes
-from nodes.files.table_cells import csv_lines
-from nodes.files.zarr_array import check_zarr, write_store
 from nodes.input_output.write_image import Cube, curve_columns
 
 Array = NDArray[Any]
@@ -45,16 +40,16 @@ def check_suffix(port: str, value: Any, path: Path) -> None:
     if not any(file_format.matches(path) for file_format in allowed):
         what = f"{'an' if value.port_type[0] in 'aeiou' else 'a'} {value.port_type}"
         words = ", ".join(suffixes(*allowed))
-        raise UsageError(f"--save {port}={path}: {what} must be written as {words}")
+        raise errors.UsageError(f"--save {port}={path}: {what} must be written as {words}")
     if ZARR.matches(path):
-        check_zarr(path)
+        zarr_array.check_zarr(path)
 
 
 def region_of(save: Save, value: Any) -> Region | None:
     if isinstance(value, Image):
         return save.region(value.rows, value.columns)
     if save.bounds:
-        raise UsageError(f"{save.shown}: a region needs an image, not a {value.port_type}")
+        raise errors.UsageError(f"{save.shown}: a region needs an image, not a {value.port_type}")
     return None
 
 
@@ -103,14 +98,14 @@ def save_array(path: Path, array: Array, metadata: dict[str, Any]) -> None:
     """Write a real array; integers run from its least to its greatest sample."""
     kind = formats.written_format(path)
     if ZARR.matches(path):
-        write_store(path, array, metadata)
+        zarr_array.write_store(path, array, metadata)
     elif ENVI_FRAMES.matches(path):
         _save_envi(path, array, metadata)
     elif CSV.matches(path):
-        write_matrix(path, array)
+        arrays.write_matrix(path, array)
     elif kind is None:
         words = ", ".join(suffixes(*formats.SAVED, ENVI_FRAMES, ZARR))
-        raise UsageError(f"{path}: a picture must be written as {words}")
+        raise errors.UsageError(f"{path}: a picture must be written as {words}")
     elif kind.stores_floats:
         whole = formats.integer_type(array, metadata.get("unit", ""), kind.dtypes)
         if whole is not None:
@@ -121,7 +116,7 @@ def save_array(path: Path, array: Array, metadata: dict[str, Any]) -> None:
     else:
         levels = grey_levels(float(array.min()), float(array.max()), array)
         if kind is formats.PNG:
-            write_bytes(path, encode_png(levels))
+            atomic.write_bytes(path, encode_png(levels))
         else:
             formats.write_picture(path, levels, dtype=kind.dtypes[0], metadata=metadata)
 
@@ -132,9 +127,9 @@ def _save_envi(path: Path, array: Array, metadata: dict[str, Any]) -> None:
     assert kind.beside is not None
     rows, columns = array.shape
     series = frame_files.FrameSeries(1, rows, columns, array.dtype.newbyteorder("<"), metadata)
-    with atomic_file(path) as temporary:
+    with atomic.atomic_file(path) as temporary:
         frame_files.write_frames(temporary, kind, series, [array])
-    write_text(frame_files.header_beside_frames(path), kind.beside(series))
+    atomic.write_text(frame_files.header_beside_frames(path), kind.beside(series))
 
 
 def metadata_of(image: Image, shape: tuple[int, ...]) -> dict[str, Any]:
@@ -152,19 +147,21 @@ def metadata_of(image: Image, shape: tuple[int, ...]) -> dict[str, Any]:
 def _save_curve(path: Path, curve: CurveData, work: Work) -> None:
     shared = all(np.array_equal(series.x, curve.series[0].x) for series in curve.series[1:])
     if CSV.matches(path) and shared and curve.series:
-        write_curves(path, curve, curve_columns(curve))
+        arrays.write_curves(path, curve, curve_columns(curve))
     elif CSV.matches(path):
         points = [
             (series.label, repr(float(x)), repr(float(y)))
             for series in curve.series
             for x, y in zip(series.x, series.y, strict=True)
         ]
-        write_text(path, csv_lines([("series", curve.x_label, curve.y_label), *points]))
+        atomic.write_text(
+            path, table_cells.csv_lines([("series", curve.x_label, curve.y_label), *points])
+        )
     elif shared and curve.series:
         columns = np.stack(list(curve_columns(curve).values()), axis=1)
         save_array(path, real_array(columns, work), {})
     else:
-        raise UsageError(f"{path}: curves with different axes must be written as .csv")
+        raise errors.UsageError(f"{path}: curves with different axes must be written as .csv")
 
 
 def _context_rows(context: Context) -> list[tuple[Any, ...]]:
@@ -182,7 +179,7 @@ def _context_rows(context: Context) -> list[tuple[Any, ...]]:
 
 def _save_rows(path: Path, rows: Iterable[tuple[Any, ...]]) -> None:
     cells = (map(_cell, row) for row in rows)
-    write_text(path, csv_lines([("name", "value", "unit", "meaning"), *cells]))
+    atomic.write_text(path, table_cells.csv_lines([("name", "value", "unit", "meaning"), *cells]))
 
 
 def _cell(value: Any) -> Any:
@@ -256,7 +253,7 @@ def format_for_frames(port: str, path: Path) -> frame_files.FrameFormat:
     kind = frame_files.frame_format(path)
     if kind is None:
         words = ", ".join(frame_files.frame_suffixes())
-        raise UsageError(
+        raise errors.UsageError(
             f"--save {port}={path}: with --frames, an image must be written as {words}"
         )
     return kind
@@ -301,7 +298,7 @@ def save_frames(
 
     if frames == 1 and formats.TIFF.matches(path):
         (frame,) = made()
-        if is_on_disk(frame):
+        if machine.is_on_disk(frame):
             frame_files.write_tiled_tiff(path, series, frame)
             return
         frame_files.write_frames(path, kind, series, [frame], done)

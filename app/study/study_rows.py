@@ -16,12 +16,8 @@ from typing import Any, NamedTuple, Self
 
 import numpy as np
 
-from app.run.option_values import Save
-from app.run.overrides import Variation
-from app.run.saving import region_of, save_value
+from app.run import option_values, overrides, saving, terminal, transfer_chain
 from app.run.staging import Staging, check_folder
-from app.run.terminal import exact
-from app.run.transfer_chain import source_images
 from app.tradeoff.tradeoff_results import Figure, PointEvaluator, nodes_after
 from core import errors
 from core.atomic import atomic_file, is_held, take, write_bytes, write_text
@@ -60,7 +56,7 @@ class Setting:
     folder: Path  # what file names in it are relative to
     targets: tuple[tuple[str, str], ...]  # what is varied
     figures: tuple[Figure, ...]  # the figures of each point
-    saves: tuple[Save, ...]  # the ports whose pictures are saved
+    saves: tuple[option_values.Save, ...]  # the ports whose pictures are saved
     policy: Policy  # precision, tolerance and threads
     version: str  # of the program
     memory_bytes: int | None = None  # of computed values, if not `KEPT_BYTES` in each process
@@ -183,16 +179,16 @@ class RowMaker:
         why = errors.in_line("; ".join(dict.fromkeys(reasons)))
         return Row(place, figures, key, took, why, tuple(map(errors.in_line, warnings)))
 
-    def _save(self, plan: Plan, work: Work, save: Save, file: Path) -> None:
+    def _save(self, plan: Plan, work: Work, save: option_values.Save, file: Path) -> None:
         value = plan.output(save.port)
         with errors.placed(save.node), errors.writing(file):
-            region = region_of(save, value)
+            region = saving.region_of(save, value)
             file.parent.mkdir(parents=True, exist_ok=True)
-            save_value(value, file, work, port=save.port, region=region)
+            saving.save_value(value, file, work, port=save.port, region=region)
 
     def _check_sources(self, plan: Plan, work: Work) -> None:
         """Refuse samples that are not finite, of every picture once that has been read."""
-        for port in source_images(plan):
+        for port in transfer_chain.source_images(plan):
             recipe = plan.output(port).recipe
             if recipe.key not in self._checked:
                 if recipe.key not in work.log.computed and not work.has(recipe):
@@ -383,7 +379,7 @@ class Column:
     @property
     def typed(self) -> list[Any]:
         kind = self.kind
-        make = exact if kind is str else kind
+        make = terminal.exact if kind is str else kind
         return [None if value is None else make(value) for value in self.values]
 
 
@@ -409,7 +405,9 @@ def write_columns(columns: Sequence[Column], path: Path, title: str) -> None:
 
 def csv_of(columns: Sequence[Column]) -> str:
     heads = [column.head for column in columns]
-    return csv_lines([heads, *zip(*(map(exact, column.values) for column in columns), strict=True)])
+    return csv_lines(
+        [heads, *zip(*(map(terminal.exact, column.values) for column in columns), strict=True)]
+    )
 
 
 def _write_parquet(columns: Sequence[Column], path: Path, title: str) -> None:
@@ -453,7 +451,9 @@ def _array(column: Column) -> Any:
 # A study, and its rows as a table.
 
 
-def order_of(axes: Sequence[Variation], points: Sequence[Point], network: Network) -> list[int]:
+def order_of(
+    axes: Sequence[overrides.Variation], points: Sequence[Point], network: Network
+) -> list[int]:
     """The places in the order that repeats least: what few nodes hang on moves first."""
     touched = [len(nodes_after(network, axis.node)) for axis in axes]
     outwards = sorted(range(len(axes)), key=lambda place: -touched[place])
@@ -471,7 +471,7 @@ class Study:
     name: str  # of the network
     setting: Setting  # what all points have in common
     library: Library  # the modules
-    axes: tuple[Variation, ...]  # what varies
+    axes: tuple[overrides.Variation, ...]  # what varies
     points: tuple[Point, ...]  # A value for each axis
     files: list[tuple[str, ...]]  # the saved pictures, by point
 

@@ -10,9 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from app.run.option_values import assignment, low_high
-from app.run.overrides import named_parameter
-from app.run.terminal import warning_lines
+from app.run import option_values, overrides, terminal
 from app.tradeoff.tradeoff_results import Figure, PointEvaluator, named_figure, shown_value
 from core.chain.engine import Engine, Plan
 from core.errors import DataError, ParameterError, UsageError, in_line
@@ -42,8 +40,10 @@ def solve_network(
     progress: Callable[[int], AbstractContextManager[Callable[[str], object]]],
 ) -> tuple[dict[str, Any], list[str]]:
     """The value that does it, as facts and in lines; else a `DataError` with what the ends give."""
-    sought = assignment(FOR, solve_for if "=" in solve_for else f"{solve_for}=", _FOR_FORM)
-    parameter = named_parameter(FOR, sought, network, library=library)
+    sought = option_values.assignment(
+        FOR, solve_for if "=" in solve_for else f"{solve_for}=", _FOR_FORM
+    )
+    parameter = overrides.named_parameter(FOR, sought, network, library=library)
     if parameter is None:
         raise UsageError(f"{FOR} {sought.port}: the node's module is unknown")
     figure, wanted = _wanted(until, network, library)
@@ -100,11 +100,11 @@ def solve_network(
         for name, each in values.items():
             text = "none" if each is None else shown_value(each, units[name])
             lines.append(in_line(f"  {node}.{name}  {text}"))
-    return facts, [*lines, *warning_lines(cautions)]
+    return facts, [*lines, *terminal.warning_lines(cautions)]
 
 
 def _wanted(text: str, network: Network, library: Library) -> tuple[Figure, float]:
-    target = assignment(UNTIL, text, _UNTIL_FORM)
+    target = option_values.assignment(UNTIL, text, _UNTIL_FORM)
     figure = named_figure(UNTIL, target.port, network, library)
     wanted = math.nan
     with suppress(ValueError):
@@ -264,7 +264,7 @@ def _search_range(parameter: Parameter, present: object, given: str, option: str
         )
     whole = parameter.kind == "integer"
     if given:
-        low, high = low_high(option, given)
+        low, high = option_values.low_high(option, given)
         return _Search(low, high, low > 0 and high / low >= _LOG_FROM, whole)
     bound_low, bound_high = parameter.param.low, parameter.param.high
     now = float(present) if isinstance(present, int | float) and present else 1.0

@@ -10,20 +10,14 @@ from typing import Any, Literal
 
 import numpy as np
 
-from app.run.evaluation import refuse_faults
-from app.run.own_scene import OwnScene
-from app.run.shipped import find_network, shipped_networks
-from app.run.terminal import columns
-from app.run.transfer_chain import find_output, without_judges
+from app.run import evaluation, own_scene, shipped, terminal, transfer_chain
 from core.chain.engine import Engine, Plan
 from core.editing import operations
 from core.editing.wiring import refusal
 from core.errors import ImagechainError, NetworkError, UsageError, several, shown
 from core.evaluation.work import Policy
-from core.network.file import format_network, load_network
-from core.network.macro import declared_node
+from core.network import file, macro, validation
 from core.network.network import Link, Network
-from core.network.validation import NetworkProblems
 from core.records import replace
 from imagechain.building.camera import Camera
 from imagechain.building.chain_state import ChainNode, ChainState, Check
@@ -308,7 +302,7 @@ class Chain:
         is_file = isinstance(picture, str | PathLike)
         given = Path(fspath(picture)) if is_file else np.asarray(picture)
         unit = unit or getattr(picture, "attrs", {}).get("units", "")
-        own = OwnScene(given, fov_deg, range_m, sample_m, band_um, unit)
+        own = own_scene.OwnScene(given, fov_deg, range_m, sample_m, band_um, unit)
         self._state = self._state.with_scene(own, node, self._engine)
         return self
 
@@ -316,7 +310,7 @@ class Chain:
     @plain_errors
     def final(self) -> str | None:
         """Port of the final picture, ``NODE.PORT``; None if the port cannot be determined."""
-        return find_output(self._state.plan(self._engine)).port
+        return transfer_chain.find_output(self._state.plan(self._engine)).port
 
     @plain_errors
     def mark_final(self, node: str) -> Chain:
@@ -381,7 +375,11 @@ class Chain:
             nonlocal chain
             library = self._engine.library
             while True:
-                left = without_judges(chain.network, error, library, spare) if self.scene else None
+                left = (
+                    transfer_chain.without_judges(chain.network, error, library, spare)
+                    if self.scene
+                    else None
+                )
                 if left is None:
                     raise error
                 for line in left[1]:
@@ -434,8 +432,8 @@ class Chain:
         """Errors and warnings of the chain, without computing it."""
         try:
             plan = self._state.plan(self._engine)
-            find_output(plan)
-        except NetworkProblems as faults:
+            transfer_chain.find_output(plan)
+        except validation.NetworkProblems as faults:
             return Check(tuple(faults.problems))
         except ImagechainError as error:
             return Check((error,))
@@ -456,7 +454,7 @@ class Chain:
 
     def to_json(self) -> str:
         """The text of the network file."""
-        return format_network(self.network, library=self._engine.library)
+        return file.format_network(self.network, library=self._engine.library)
 
     def part(self, name: str) -> Part:
         """A node's module with its values and absolute file names, to add to another chain."""
@@ -474,18 +472,18 @@ class Chain:
     def planned(self, seed: int | None = None) -> tuple[Engine, Plan]:
         """The engine and the chain's plan; raises an error if the plan contains errors."""
         self._planned = self._state.plan(self._engine, seed, self._planned)
-        return self._engine, refuse_faults(self._planned)
+        return self._engine, evaluation.refuse_faults(self._planned)
 
     def __repr__(self) -> str:
         title = f"<Chain {shown(self.name) if self.name else ''}".rstrip()
         head = f"{title}: {several(len(self), 'node')}, seed {self.seed}>"
         rows = [(f"  {name}", key, wires and f"← {wires}") for name, key, wires in self._rows()]
-        return f"{head}\n{columns(rows)}" if rows else head
+        return f"{head}\n{terminal.columns(rows)}" if rows else head
 
     def _rows(self) -> list[tuple[str, str, str]]:
         rows = []
         for name, node in self.network.nodes.items():
-            declared = declared_node(node, self._engine.library)
+            declared = macro.declared_node(node, self._engine.library)
             wires = ", ".join(link.text()[0] for link in self.network.links_into(name))
             rows.append((name, declared.title if declared else node.module, wires))
         return rows
@@ -506,12 +504,14 @@ def open(network: str | PathLike[str]) -> Chain:
         folder.
     """
     engine = Engine(standard_library())
-    place = find_network(fspath(network))
-    document = load_network(place.path, library=engine.library, unfinished=True, keep_unknown=True)
+    place = shipped.find_network(fspath(network))
+    document = file.load_network(
+        place.path, library=engine.library, unfinished=True, keep_unknown=True
+    )
     path = whole_path(place.path)
     return Chain._of(ChainState(document, path.parent, path), engine)
 
 
 def networks() -> list[str]:
     """Names of the example networks."""
-    return list(shipped_networks())
+    return list(shipped.shipped_networks())

@@ -21,20 +21,16 @@ from core.errors import FileError, ImagechainError, NetworkError, ParameterError
 from core.evaluation.recipes import Step
 from core.modules.declaration import Declaration, Library, local_key, no_module
 from core.modules.parameters import Caution, Parameter
+from core.network import linked_values, macro, validation
 from core.network.file import save_network
-from core.network.linked_values import expression_text, resolved, with_values
-from core.network.macro import declared_node, unfolded
 from core.network.network import Link, Network, Node, reached
-from core.network.validation import check_network, plain_network
 from core.records import dataclass, field, replace
 from imagechain.parts.module_part import Part, file_value, known_parameter, shown_value
 from imagechain.parts.plain_errors import block, table
 from imagechain.results.chain_result import current_folder
 from nodes.files.arrays import write_npy
 from nodes.files.frames import FrameSeries, envi_header_text, header_beside_frames
-from nodes.input_output.read_image import ReadImage
-from nodes.input_output.sample_unit import DEFAULT_UNIT
-from nodes.input_output.source_file import HeldSamples
+from nodes.input_output import read_image, sample_unit, source_file
 from nodes.library import standard_library
 
 
@@ -51,25 +47,26 @@ class ChainState:
     network: Network
     folder: Path
     file: Path | None = None
-    samples: Mapping[str, HeldSamples] = field(default_factory=dict)
+    samples: Mapping[str, source_file.HeldSamples] = field(default_factory=dict)
     given: frozenset[tuple[str, str]] = frozenset()
     scene: tuple[str, ...] = ()
 
     def node(self, name: str) -> Node:
         """The node in the network; inside a macro, ``MACRO/NODE``."""
-        return unfolded(self.network).node(name)
+        return macro.unfolded(self.network).node(name)
 
     def declared(self, name: str) -> Declaration:
         """Declaration of a node's module."""
         node, library = self.node(name), standard_library()
-        declared = declared_node(node, library)
+        declared = macro.declared_node(node, library)
         if declared is None:
             raise NetworkError(no_module(node.module, library), node=name)
         return declared
 
     def value(self, name: str, parameter: Parameter) -> Any:
         """The value that a run uses for a node's parameter; None if there is no value."""
-        given = resolved(self.network, library=standard_library()).value(name, parameter.name)
+        resolved = linked_values.resolved(self.network, library=standard_library())
+        given = resolved.value(name, parameter.name)
         if given is None:
             given = self.node(name).params.get(parameter.name)
         if given is None or isinstance(given, Mapping):
@@ -129,7 +126,7 @@ class ChainState:
             id_ = fresh_name(part.name or local_key(part.module), self.network.nodes)
         elif id_ in self.network.nodes:
             raise NetworkError(f"there is already a node {shown(id_)}")
-        declared = declared_node(Node(id_, part.module, macro=part.inside), library)
+        declared = macro.declared_node(Node(id_, part.module, macro=part.inside), library)
         assert declared is not None
         paths = {parameter.name for parameter in declared.parameters if parameter.kind == "path"}
         params = {
@@ -214,8 +211,8 @@ class ChainState:
         for node, name in names.items():
             network = set_parameter(node, "path", name).apply(network)
         for node, name in names.items():
-            unit = network.nodes[node].params.get("unit", DEFAULT_UNIT)
-            _write(target.parent / name, self.samples[node], named=unit != DEFAULT_UNIT)
+            unit = network.nodes[node].params.get("unit", sample_unit.DEFAULT_UNIT)
+            _write(target.parent / name, self.samples[node], named=unit != sample_unit.DEFAULT_UNIT)
         save_network(network, target, library=library)
         return replace(self, network=network, folder=target.parent, file=target)
 
@@ -236,10 +233,10 @@ class ChainState:
         if not self.network.nodes:
             raise NetworkError("the chain has no nodes: add a module")
         library = engine.library
-        network = plain_network(self.network, library=library)
+        network = validation.plain_network(self.network, library=library)
         if seed is not None:
             network = network.with_seed(seed)
-        check_network(network, library=library)
+        validation.check_network(network, library=library)
         held = self._held(network, library, {} if previous is None else previous.nodes)
         return engine.plan(network, folder=self.folder, held=held, previous=previous)
 
@@ -249,7 +246,7 @@ class ChainState:
         """The scenes that come from arrays, planned."""
         if not self.samples:
             return {}
-        valued = with_values(network, library=library).network
+        valued = linked_values.with_values(network, library=library).network
         planned = {}
         for name, samples in self.samples.items():
             node = valued.nodes[name]
@@ -266,15 +263,15 @@ class ChainState:
         return planned
 
 
-def planned_scene(node: Node, samples: HeldSamples) -> PlannedNode:
+def planned_scene(node: Node, samples: source_file.HeldSamples) -> PlannedNode:
     """A node that reads a picture, planned with an array instead of its file."""
-    module = ReadImage.build(node.params)
-    assert isinstance(module, ReadImage)
+    module = read_image.ReadImage.build(node.params)
+    assert isinstance(module, read_image.ReadImage)
     output = module.of_samples(samples, node.id)
     return PlannedNode(node, module, {}, output._asdict(), output)
 
 
-def _is_of(planned: PlannedNode, samples: HeldSamples) -> bool:
+def _is_of(planned: PlannedNode, samples: source_file.HeldSamples) -> bool:
     recipe = getattr(planned.outputs.get("image"), "recipe", None)
     return isinstance(recipe, Step) and dict(recipe.parameters).get("held") is samples
 
@@ -333,7 +330,7 @@ class Check:
 _PLAIN = re.compile(r"[^\w.-]+")
 
 
-def _write(file: Path, held: HeldSamples, *, named: bool) -> None:
+def _write(file: Path, held: source_file.HeldSamples, *, named: bool) -> None:
     """Write samples: a picture as ``.npy``, a cube as ENVI has it, with its header beside it."""
     if held.wavelengths_um is None:
         write_npy(file, held.samples)
@@ -468,7 +465,7 @@ class ChainNode:
             text = shown_value(self._value(parameter))
             raw = given.get(parameter.name)
             if isinstance(raw, Mapping):
-                text += f" (= {expression_text(raw)})"
+                text += f" (= {linked_values.expression_text(raw)})"
             rows.append((parameter.name, text, parameter.param.unit, parameter.param.text))
         return rows
 
