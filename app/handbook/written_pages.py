@@ -36,36 +36,26 @@ DRAWN = "drawn.js"
 """A file that a handbook's folder has once its figures are drawn."""
 _LATER = "The figures are being drawn and will appear on this page."
 SYNONYMS = {
-    "add-on": "plug-in",
-    "animation": "--frames",
-    "batch": "studies",
-    "calibrate": "fit",
-    "cra": "microlens angle",
-    "goal": "solve",
-    "gpu": "speed",
-    "hdr": "dual gain",
-    "hpc": "cluster",
-    "hyperspectral": "spectral",
-    "license": "licence",
-    "monte": "studies",
-    "movie": "--frames",
-    "multispectral": "spectral",
-    "nv-ipm": "figures of merit",
-    "nvipm": "figures of merit",
-    "nvtherm": "figures of merit",
-    "optimise": "solve",
-    "optimize": "solve",
-    "operability": "focal plane",
-    "parametric": "studies",
-    "plugin": "plug-in",
-    "roi": "read-out window",
-    "sfr": "iso 12233",
-    "slurm": "cluster",
-    "sweep": "studies",
-    "video": "--frames",
-    "w/cm2": "w/m²/sr",
-    "w/cm²": "w/m²/sr",
-    "w/m2": "w/m²/sr",
+    word: subject
+    for subject, words in {
+        "plug-in": "add-on plugin",
+        "--frames": "animation movie video",
+        "studies": "batch monte parametric sweep",
+        "fit": "calibrate",
+        "microlens angle": "cra",
+        "solve": "goal optimise optimize",
+        "speed": "gpu",
+        "dual gain": "hdr",
+        "cluster": "hpc slurm",
+        "spectral": "hyperspectral multispectral",
+        "licence": "license",
+        "figures of merit": "nv-ipm nvipm nvtherm",
+        "focal plane": "operability",
+        "read-out window": "roi",
+        "iso 12233": "sfr",
+        "w/m²/sr": "w/cm2 w/cm² w/m2",
+    }.items()
+    for word in words.split()
 }
 """Words a reader may search for, and those under which the handbook has the subject."""
 

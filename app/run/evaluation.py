@@ -135,10 +135,6 @@ def _recipes(plan: Plan, final: str | None, *groups: Read) -> list[Recipe]:
     return [*read, *(asked_for(plan.output(final)) if final is not None else ())]
 
 
-def read_by_evaluation(engine: Engine, plan: Plan) -> list[Recipe]:
-    return _recipes(plan, transfer_chain.find_output(plan).port, *_read(engine, plan))
-
-
 def needed_later(
     plan: Plan, ports: Iterable[str], *, report: bool, in_blocks: bool = False
 ) -> list[Recipe]:
@@ -258,7 +254,8 @@ def blocks_of(
     with ScratchDisk(scratch, way.memory_bytes) as disk:
         _refuse_planes(plan, ports, disk, policy)
         later = needed_later(plan, ports, report=report, in_blocks=True)
-        recipes = [*read_by_evaluation(engine, plan), *later]
+        final = transfer_chain.find_output(plan).port
+        recipes = [*_recipes(plan, final, *_read(engine, plan)), *later]
         try:
             blocks = plan.blocks(recipes, disk, policy)
         except DataError:

@@ -4,7 +4,7 @@ import math
 import statistics
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import Any, TypeGuard
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -93,7 +93,8 @@ def _draw(panel: Any, along: Variation, curves: Sequence[tuple[str, Any, Any]]) 
         drawing.family_colours(len(curves)), curves, strict=True
     ):
         places = [value if along.is_numeric else ranks[value] for value in values]
-        heights = [height if is_finite(height) else math.nan for height in figures]
+        heights = np.array(figures, np.float64)
+        heights = np.where(np.isfinite(heights), heights, math.nan).tolist()
         every += heights
         gaps = [place for place, height in zip(places, heights, strict=True) if math.isnan(height)]
         if gaps:  # at the bottom, so that the axis reaches the values that failed too
@@ -164,10 +165,6 @@ def ranks_of(along: Variation) -> dict[Any, int]:
 
 def short_text(text: str, longest: int = _LONGEST) -> str:
     return text if len(text) <= longest else f"{text[: longest - 1]}…"
-
-
-def is_finite(value: float | None) -> TypeGuard[float]:
-    return value is not None and math.isfinite(value)
 
 
 # A trade-off as a page that needs no other file.

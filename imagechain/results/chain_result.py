@@ -143,7 +143,10 @@ class Result:
         """A picture with its unit, sampling interval and band; `port` is as for `image`."""
         name = self._port(port)
         image, samples = self._image(name), self._samples(name)
-        return tables.Picture(name, image, samples, self._work, self._region(image))
+        intervals = image.interval_x_mrad, image.interval_y_mrad
+        bands = () if image.bands is None else image.bands.centres_um
+        inside = image, self._work, self._region(image)
+        return tables.Picture(name, samples, image.unit, intervals, image.band_um, bands, *inside)
 
     @property
     def images(self) -> "Images":

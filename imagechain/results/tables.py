@@ -299,41 +299,29 @@ _MOST_PX = 1024
 class Picture:
     """A picture that a chain has computed, at a port ``NODE.PORT``.
 
-    The samples are read-only, with the shape (rows, columns) or (frames, rows, columns).
+    The samples are read-only, with the shape (rows, columns) or (frames, rows, columns). `unit` is
+    the unit of the samples; `interval_mrad` is the horizontal and vertical sampling interval, mrad,
+    with None if unknown; `band_um` is the cut-on and cut-off wavelength, µm, or None if unknown;
+    `wavelengths_um` has the centre wavelengths of the bands, µm, and is empty if there are no
+    separate bands.
     """
 
     port: str
-    _image: Image = field(repr=False)
-    samples: NDArray[Any] = field(repr=False)
-    _work: Work = field(repr=False)
-    _region: Region | None = field(repr=False)
+    samples: NDArray[Any]
+    unit: str
+    interval_mrad: tuple[float | None, float | None]
+    band_um: tuple[float, float] | None
+    wavelengths_um: tuple[float, ...]
+    _image: Image
+    _work: Work
+    _region: Region | None
 
     __reduce__ = stays_here
-
-    @property
-    def unit(self) -> str:
-        """Unit of the samples."""
-        return self._image.unit
 
     @property
     def shape(self) -> tuple[int, ...]:
         """Shape of the samples."""
         return self.samples.shape
-
-    @property
-    def interval_mrad(self) -> tuple[float | None, float | None]:
-        """Horizontal and vertical sampling interval, mrad; None if unknown."""
-        return self._image.interval_x_mrad, self._image.interval_y_mrad
-
-    @property
-    def band_um(self) -> tuple[float, float] | None:
-        """Cut-on and cut-off wavelength, µm; None if unknown."""
-        return self._image.band_um
-
-    @property
-    def wavelengths_um(self) -> tuple[float, ...]:
-        """Centre wavelengths of the bands, µm; empty if there are no separate bands."""
-        return () if self._image.bands is None else self._image.bands.centres_um
 
     @plain_errors
     def band(self, index: int) -> NDArray[Any]:

@@ -254,7 +254,9 @@ def as_written(drawn: Any) -> None:
     for axis in drawn.findobj(Axis):
         formatter = axis.get_major_formatter()
         if isinstance(formatter, FuncFormatter):  # of labels that are given
-            formatter.func = lambda *place, named=formatter.func: _escaped(named(*place))
+            formatter.func = lambda *place, named=formatter.func: printable(named(*place)).replace(
+                "$", r"\$"
+            )
         ticks = (*axis.get_major_ticks(), *axis.get_minor_ticks())
         of_axes.update(id(text) for tick in ticks for text in (tick.label1, tick.label2))
         of_axes.add(id(axis.get_offset_text()))
@@ -262,10 +264,6 @@ def as_written(drawn: Any) -> None:
         if id(text) not in of_axes:
             text.set_parse_math(False)
             text.set_text(printable(text.get_text()))
-
-
-def _escaped(text: str) -> str:
-    return printable(text).replace("$", r"\$")
 
 
 # Which figures of a publication those of the report are drawn as.
