@@ -61,7 +61,7 @@ def read_image(
     offset : float | Expression
         number added after scaling, in the unit of the scaled samples: a number; default 0.0
     unit : str
-        unit of the samples after scaling: a text; default 'W/m²/sr'
+        unit of the samples after scaling: text; default 'W/m²/sr'
     fov_x_deg : float | Expression | None
         horizontal field of view [deg]: a number from 0 below 180 or empty; default empty
     fov_y_deg : float | Expression | None
@@ -161,8 +161,8 @@ def test_scene(
         direction of the edge's normal or of the sine wave, clockwise from horizontal [deg]: a
         number; default 5.0
     frequency : float | Expression
-        cycles per frame width (sine) or shorter side (coarsest bars); number of spokes (star): a
-        number above 0; default 16.0
+        cycles per frame width (sine) or per shorter side (coarsest bars); number of spokes (star):
+        a number above 0; default 16.0
 
     Notes
     -----
@@ -198,7 +198,8 @@ def write_image(
     path : str | PathLike[str] | None
         file to write, relative to the network file's folder: a file name or empty; default empty
     format : Literal['by_suffix', 'exr', 'tif', 'png', 'npy', 'envi']
-        format of the file: one of by_suffix, exr, tif, png, npy, envi; default 'by_suffix'
+        format of the file; by_suffix: from the suffix of path: one of by_suffix, exr, tif, png,
+        npy, envi; default 'by_suffix'
     dtype : Literal['automatic', 'float', 'double', 'half', 'uint8', 'uint16']
         type of the stored samples: one of automatic, float, double, half, uint8, uint16; default
         'automatic'
@@ -973,8 +974,8 @@ def diffraction_mtf(
         2.5 µm, else the brightness temperature of the picture's mean [K]: a number from 0 to 1e+06
         or empty; default empty
     response : str | PathLike[str] | None
-        CSV of wavelength (µm) and detector response, which also weights the light; empty: no
-        response: a file name or empty; default empty
+        CSV file of wavelength (µm) and detector response, which also weights the light; empty:
+        equal at all wavelengths: a file name or empty; default empty
     wavelengths : Literal['auto', 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 12, 16, 20, 24, 32, 48, 64]
         auto: as many wavelengths as the tolerance requires; a number sets how many sample the band;
         1 uses the band's middle: one of auto, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 12, 16, 20, 24, 32,
@@ -1136,8 +1137,8 @@ def exit_pupil_mtf(
         2.5 µm, else the brightness temperature of the picture's mean [K]: a number from 0 to 1e+06
         or empty; default empty
     response : str | PathLike[str] | None
-        CSV of wavelength (µm) and detector response, which also weights the light; empty: no
-        response: a file name or empty; default empty
+        CSV file of wavelength (µm) and detector response, which also weights the light; empty:
+        equal at all wavelengths: a file name or empty; default empty
     apply : Literal['multiply', 'filter_only']
         multiply the input by the transfer function, or output the transfer function alone: one of
         multiply, filter_only; default 'multiply'
@@ -1186,7 +1187,8 @@ def vignetting(
         heights of the curve: field angle, image height, or fraction of the half diagonal: one of
         field_deg, height_mm, half_diagonal; default 'field_deg'
     path : str | PathLike[str] | None
-        CSV of height and relative illumination, 1 on the axis: a file name or empty; default empty
+        CSV file of height and relative illumination, 1 on the axis: a file name or empty; default
+        empty
     coefficients : Sequence[float]
         c₁, c₂, …: factors of h², h⁴, …: a list of numbers from -1e+09 to 1e+09; default ()
     focal_length_mm : float | Expression | None
@@ -1220,12 +1222,12 @@ def distortion(
     The incoming picture must be free of distortion: distances from the axis are tangents of field
     angles. Coefficients, centre and signs follow OpenCV, with lengths divided by the focal length.
     `fisheye` with all coefficients at 0 is an f-θ lens. The module traces the ray of each sample
-    (to 1e-11) and interpolates the picture there from 8 × 8 samples. Sinusoids of up to 0.2 cycles
-    per sample are misplaced by less than 1e-3 sample. The picture is not filtered: if
-    `largest_step` is well above 1, sample the scene more finely. A lens with barrel distortion
-    images points beyond the frame. Give the scene more samples at the same interval; the scene's
-    field of view is samples times interval, not 2·atan(Np/2f) as for a lens. Set `width` and
-    `height` to the camera's samples. A warning gives the required sizes. Beyond the scene, the
+    (to 1e-11 of the focal length) and interpolates the picture there from 8 × 8 samples. Sinusoids
+    of up to 0.2 cycles per sample are misplaced by less than 1e-3 sample. The picture is not
+    filtered: if `largest_step` is well above 1, sample the scene more finely. A lens with barrel
+    distortion images points beyond the frame. Give the scene more samples at the same interval; the
+    scene's field of view is samples times interval, not 2·atan(Np/2f) as for a lens. Set `width`
+    and `height` to the camera's samples. A warning gives the required sizes. Beyond the scene, the
     outermost samples are repeated. MTF and noise are valid on the axis, where nothing is stretched.
     Sources: Brown 1966; Kannala and Brandt 2006; OpenCV, camera calibration.
 
@@ -1568,7 +1570,7 @@ def crosstrack_mtf(
     dwell_time_s: float | Expression = 0.0,
     scan_velocity_mrad_per_s: float | Expression | None = None,
 ) -> Part:
-    """Smear across the track from the scan during one dwell time.
+    """Blur across the track by the scan during one dwell time.
 
     The MTF is sinc(v·t·ξ). A dwell time of 0 gives no smear. Source: Tantalo 1996, section 4.4.1;
     the thesis neglects this smear.
@@ -1600,9 +1602,9 @@ def alongtrack_mtf(
     integration_time_s: float | Expression = 0.0,
     range_m: float | Expression | None = None,
 ) -> Part:
-    """Smear along the track from the platform's forward motion while a sample is collected.
+    """Blur along the track by the platform's forward motion while a sample is collected.
 
-    The MTF is sinc(b·eta) with b = velocity·time/range. Source: Tantalo 1996, eqs. 4.24 to 4.28.
+    The MTF is sinc(b·η) with b = velocity·time/range. Source: Tantalo 1996, eqs. 4.24 to 4.28.
     Erratum: the width 134 in eq. 4.28 is in cycles/rad, not cycles/mrad.
 
     Parameters
@@ -1638,7 +1640,7 @@ def relative_motion_mtf(
     range_m: float | Expression | None = None,
     model: Literal['published', 'line'] = 'published',
 ) -> Part:
-    """Smear from the relative velocity of platform and image while the detector integrates.
+    """Blur by the relative velocity of platform and image while the detector integrates.
 
     `published` is the product sinc(bx·ξ)·sinc(by·η), a rectangle (eq. 4.31). `line` is
     sinc(bx·ξ + by·η), the straight smear at constant velocity. A relative velocity of zero gives
@@ -1664,7 +1666,8 @@ def relative_motion_mtf(
         distance to the scene; empty: from Init & Trans [m]: a number of at least 0 or empty;
         default empty
     model : Literal['published', 'line']
-        rectangle (eq. 4.31), or a straight smear: one of published, line; default 'published'
+        shape of the smear: rectangle (Tantalo's eq. 4.31), or straight line: one of published,
+        line; default 'published'
 
     Notes
     -----
@@ -1917,7 +1920,7 @@ def crosstalk(
     ----------
     kernel : str
         shares of a pixel's signal that stay or leak, as 3 × 3 or 5 × 5 numbers with semicolons
-        between the rows: a text; default '0 0 0; 0 1 0; 0 0 0'
+        between the rows: text; default '0 0 0; 0 1 0; 0 0 0'
     apply : Literal['multiply', 'filter_only']
         multiply the input by the transfer function, or output the transfer function alone: one of
         multiply, filter_only; default 'multiply'
@@ -2216,8 +2219,8 @@ def focal_plane(
     The steps, in this order: shot noise of all electrons, drawn for every pixel; PRNU and DSNU,
     which are the same in every frame; nonlinearity, which grows towards the full well; read noise;
     clipping at the full well; gain; offset; rounding to whole numbers. A PRNU of p multiplies all
-    electrons, including dark-current electrons, by 1 + p times a normal deviate; EMVA 1288 defines
-    PRNU on the light signal only.
+    electrons, including dark-current electrons, by 1 + p·n, where n is a standard normal deviate;
+    EMVA 1288 defines PRNU on the light signal only.
 
     Give the quantum efficiency as a number, in per cent, in A/W or as a curve over wavelength. On
     Camera, you can give a T-number, which includes the transmission, and choose the sine condition.
@@ -2294,7 +2297,7 @@ def focal_plane(
     source_K : float | Expression
         temperature of the light source [K]: a number above 0 to 1e+06; default 5800.0
     optics_transmission : float | Expression
-        transmission of the optics: a number above 0 to 1; default 1.0
+        transmission of the optics, without the obscuration: a number above 0 to 1; default 1.0
     optics_K : float | Expression | None
         temperature of the optics; empty: no emission [K]: a number from 0 to 10000 or empty;
         default empty
@@ -2343,8 +2346,8 @@ def focal_plane(
         k: ratio of the lower to the higher ionization rate; 0: only one type of carrier ionizes: a
         number from 0 to 1; default 0.0
     nonlinearity_percent : float | Expression
-        signal loss at the full well; the loss grows with the square of the number of electrons [%]:
-        a number from 0 to 25; default 0.0
+        signal loss at the full well, relative to a linear response; the number of electrons lost
+        grows with the square of the signal [%]: a number from 0 to 25; default 0.0
     read_noise_e : float | Expression
         read noise [e-]: a number from 0 to 1e+12; default 0.0
     prnu_percent : float | Expression
@@ -2423,13 +2426,13 @@ def microbolometer(
     The noise, as scene radiance, is NETD·dL/dT(reference_K)·τ₀Ω₀/(τΩ)·√(t₀/t). Ω₀ (at the F-number
     F₀), τ₀, reference_K and t₀ come from the data sheet; √(t₀/t) applies if both integration times
     are given. For the NETD of a bare detector, set τ₀ = 1. A camera's NETD already includes the
-    lens, so enter the lens's F-number and transmission as reference values too. The solid angle Ω
-    is defined in Focal Plane. A bolometer's noise does not depend on the scene, so the NETD at
-    another background scales as 1/(dL/dT). After one frame, the fraction exp(−1/(rate·time
-    constant)) of a change remains, so a changing scene leaves traces in later frames. With a scan
-    velocity on Init & Trans, the lag is a low-pass filter along the lines, 1/(1 + 2πi·τ·v·ξ). At
-    `corner_Hz`, 1/f noise equals the white noise. Non-uniform gain and offset are the same in every
-    frame; Non-Uniformity Correction removes them.
+    lens, so enter the lens's F-number and transmission as reference values too. Ω is the projected
+    solid angle of the optics, as in Focal Plane. A bolometer's noise does not depend on the scene,
+    so the NETD at another background scales as 1/(dL/dT). After one frame, the fraction
+    exp(−1/(rate·time constant)) of a change remains, so a changing scene leaves traces in later
+    frames. With a scan velocity on Init & Trans, the lag is a low-pass filter along the lines, 1/(1
+    + 2πi·τ·v·ξ). At `corner_Hz`, 1/f noise and white noise have the same spectral density.
+    Non-uniform gain and offset are the same in every frame; Non-Uniformity Correction removes them.
 
     The temporal filter averages recursively: y = a·y₋₁ + (1 − a)·x, where a = (n − 1)/(n + 1) and n
     is filter_frames. The filter lowers white noise by a factor of √n and 1/f noise by less, and
@@ -2464,7 +2467,7 @@ def microbolometer(
         F-number of the camera; empty: from Init & Trans: a number from 0.1 to 1000 or empty;
         default empty
     optics_transmission : float | Expression
-        transmission of the optics: a number above 0 to 1; default 1.0
+        transmission of the optics, without the obscuration: a number above 0 to 1; default 1.0
     integration_time_s : float | Expression | None
         integration time of the camera; leave both integration times empty if they are equal [s]: a
         number from 0 to 1000 or empty; default empty
@@ -2490,8 +2493,8 @@ def microbolometer(
         scene temperature at the highest digital number; needed if bits is above 0 [K]: a number
         from 0 to 10000 or empty; default empty
     corner_Hz : float | Expression
-        corner frequency, where 1/f noise equals white noise; 0: no 1/f noise [Hz]: a number from 0
-        to 1e+09; default 0.0
+        corner frequency, where 1/f and white noise have equal spectral density; 0: no 1/f noise
+        [Hz]: a number from 0 to 1e+09; default 0.0
     longest_period_s : float | Expression
         longest period of the 1/f noise: time since the last correction [s]: a number from 1e-09 to
         1e+09; default 60.0
@@ -2525,14 +2528,14 @@ def nuc(
     Put this module after the camera's modules. A black body that fills the field of view replaces
     the input of the first module that adds noise. The picture of the black body is averaged over
     `reference_frames` frames, each with its own noise; the same average corrects every frame.
-    `one_point`: the pattern at `low_K` is subtracted; the residual grows with the difference from
-    `low_K`, because the gains differ. `two_point`: gain and offset come from a straight line
-    through both references; the residual comes from the noise of the averaged references and from
-    nonlinearity. `drift_K` adds the offset drift since the correction: the rms over the pixels,
-    expressed as a scene temperature. A pixel with less than a tenth of the mean response gets a
-    gain of 1. The frames of a reference share their 1/f noise, but budgets treat this noise as
-    independent from frame to frame. Sources: Perry and Dereniak 1993; Schulz and Caldwell 1995;
-    Holst 2008.
+    `one_point`: the pattern at `low_K` is subtracted; the residual grows with the scene's
+    temperature difference from `low_K`, because the gains differ. `two_point`: gain and offset come
+    from a straight line through both references; the residual comes from the noise of the averaged
+    references and from nonlinearity. `drift_K` adds the offset drift since the correction: the rms
+    over the pixels, expressed as a scene temperature. A pixel with less than a tenth of the mean
+    response gets a gain of 1. The frames of a reference share their 1/f noise, but budgets treat
+    this noise as independent from frame to frame. Sources: Perry and Dereniak 1993; Schulz and
+    Caldwell 1995; Holst 2008.
 
     Parameters
     ----------
@@ -2552,7 +2555,7 @@ def nuc(
     reference_frames : int | Expression
         number of reference frames averaged: a whole number from 1 to 100000; default 16
     drift_K : float | Expression
-        offset drift since the correction, rms between pixels, as scene temperature [K]: a number
+        offset drift since the correction: rms over the pixels, as a scene temperature [K]: a number
         from 0 to 10000; default 0.0
 
     Notes
@@ -2836,8 +2839,8 @@ def poisson_noise(
 
     `published` adds a Poisson deviate whose mean is a percentage of the Gaussian-weighted local
     mean. `photon` converts radiance to a number of photons and replaces that number with a Poisson
-    deviate. The 1996 method has no photon scale, so its relative noise changes with the radiance
-    unit. The 1996 method also adds the noise before the optics have collected the light. For the
+    deviate. The 1996 model has no photon scale, so its relative noise changes with the radiance
+    unit. The 1996 model also adds the noise before the optics have collected the light. For the
     shot noise of a detector, use Focal Plane. Source: Tantalo 1996, section 4.3.4, after Frieden
     1991.
 
@@ -2901,12 +2904,13 @@ def electronics_noise(
 ) -> Part:
     """Simulate read-out electronics: gain and bias, detector and amplifier noise, quantization.
 
-    The first steps are gain and bias errors of each detector, and detector noise with rms NER. Then
-    the pre-amplifier's single pole, 1/(1 + 2πi·τ·v·ξ), filters along the scan. The last steps are
-    amplifier noise with rms reference/SNR, a post filter and quantization. NEP and NER refer to a
-    detector with mean noise. NETD and SNR use the rms noise over all detectors, which is √(1 + v²)
-    times the mean noise for a relative spread v. Sources: Tantalo 1996, sections 4.6, 4.7, 4.9 and
-    4.10. Erratum: eq. 4.59 as printed scales the picture by the gain error (`literal`).
+    The first steps are gain and bias errors of each detector, and detector noise, whose rms is NER.
+    Then the pre-amplifier's single pole, 1/(1 + 2πi·τ·v·ξ), filters along the scan. The last steps
+    are amplifier noise, whose rms is reference/SNR, a post filter and quantization. NEP and NER
+    refer to a detector with mean noise. NETD and SNR use the rms noise over all detectors, which is
+    √(1 + v²) times the mean noise for a relative spread v. Sources: Tantalo 1996, sections 4.6,
+    4.7, 4.9 and 4.10. Erratum: eq. 4.59 as printed scales the picture by the gain error
+    (`literal`).
 
     Parameters
     ----------
@@ -2930,7 +2934,7 @@ def electronics_noise(
         D*, used instead of the material's D* [cm √Hz/W]: a number of at least 0 or empty; default
         empty
     optics_transmission : float | Expression
-        transmission of the optics: a number above 0 to 1; default 1.0
+        transmission of the optics, without the obscuration: a number above 0 to 1; default 1.0
     filter_transmission : float | Expression
         transmission of the optical filter: a number above 0 to 1; default 1.0
     scan_mirror_rate_Hz : float | Expression | None
@@ -2948,7 +2952,8 @@ def electronics_noise(
         signal to which amplifier_snr refers: the picture's mean, or its maximum minus its minimum:
         one of mean, contrast; default 'mean'
     gain_percent : float | Expression
-        rms spread of the gain between detectors [%]: a number of at least 0; default 0.0
+        rms spread of the gain between detectors, relative to the mean gain [%]: a number of at
+        least 0; default 0.0
     bias_percent : float | Expression
         rms spread of the bias between detectors, relative to the picture's mean [%]: a number of at
         least 0; default 0.0
@@ -2957,7 +2962,8 @@ def electronics_noise(
         literal uses Tantalo's eq. 4.59 as printed: one of per_pixel, published, literal; default
         'per_pixel'
     noise_variability_percent : float | Expression
-        rms spread of the noise level between detectors [%]: a number of at least 0; default 0.0
+        rms spread of the noise level between detectors, relative to its mean [%]: a number of at
+        least 0; default 0.0
     use_mtf : bool
         apply the pre-amplifier's MTF and PTF: true or false; default False
     post_filter : Literal['none', 'lowpass', 'highpass', 'boost']
@@ -3096,22 +3102,23 @@ def noise_3d_source(
     seed : int | Expression
         seed, used when seed_mode is typed: a whole number from 0 to 9.22337e+18; default 0
     sigma_tvh : float | Expression
-        random noise, from pixel to pixel and frame to frame: a number from 0 to 1e+15; default 0.0
+        rms random noise, from pixel to pixel and frame to frame: a number from 0 to 1e+15; default
+        0.0
     sigma_tv : float | Expression
-        row noise that changes from frame to frame: a number from 0 to 1e+15; default 0.0
+        rms row noise that changes from frame to frame: a number from 0 to 1e+15; default 0.0
     sigma_th : float | Expression
-        column noise that changes from frame to frame: a number from 0 to 1e+15; default 0.0
+        rms column noise that changes from frame to frame: a number from 0 to 1e+15; default 0.0
     sigma_t : float | Expression
-        flicker of the whole frame: a number from 0 to 1e+15; default 0.0
+        rms flicker of the whole frame: a number from 0 to 1e+15; default 0.0
     sigma_vh : float | Expression
-        fixed pattern, pixel by pixel: a number from 0 to 1e+15; default 0.0
+        rms fixed pattern, pixel by pixel: a number from 0 to 1e+15; default 0.0
     sigma_v : float | Expression
-        fixed pattern, row by row: a number from 0 to 1e+15; default 0.0
+        rms row noise, the same in every frame: a number from 0 to 1e+15; default 0.0
     sigma_h : float | Expression
-        fixed pattern, column by column: a number from 0 to 1e+15; default 0.0
+        rms column noise, the same in every frame: a number from 0 to 1e+15; default 0.0
     corner_Hz : float | Expression
-        corner frequency, where 1/f noise equals sigma_tvh; 0: no 1/f noise [Hz]: a number from 0 to
-        1e+09; default 0.0
+        corner frequency, where 1/f noise and sigma_tvh have equal spectral density; 0: no 1/f noise
+        [Hz]: a number from 0 to 1e+09; default 0.0
     frame_rate_Hz : float | Expression
         frame rate, for 1/f noise [Hz]: a number from 1e-06 to 1e+09; default 30.0
     longest_period_s : float | Expression
