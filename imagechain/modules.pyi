@@ -1354,12 +1354,13 @@ def veiling_glare(
 ) -> Part:
     """Spread a share of the light over a wide area, like scatter and ghosts in the lens.
 
-    The point spread function has two parts. A share 1 − g of the light is not spread. The share g
-    falls off with distance as ℓ/(2π(r² + ℓ²)^(3/2)), with half of this light within √3·ℓ. The MTF
-    drops to 1 − g over a few cycles per ℓ: dark areas near bright ones become brighter, and fine
-    detail loses a fraction g of its contrast. If g is not known otherwise, enter the veiling glare
-    index of the lens, measured as in ISO 9358 in a small black area within an evenly bright field.
-    Light that leaves the frame is mirrored or repeated, as Init & Trans defines.
+    The point spread function has two parts. A fraction 1 − g of the light is not scattered. The
+    fraction g falls off with distance as ℓ/(2π(r² + ℓ²)^(3/2)), with half of this light within
+    √3·ℓ. The MTF drops to 1 − g over a few cycles per ℓ: dark areas near bright ones become
+    brighter, and fine detail loses a fraction g of its contrast. If g is not known otherwise, enter
+    the veiling glare index of the lens, measured as in ISO 9358 in a small black area within an
+    evenly bright field. Light that leaves the frame is mirrored or repeated, as Init & Trans
+    defines.
 
     `harvey` models the scatter of optical surfaces instead: BSDF = b·[1 + ((β − β₀)/l)²]^(s/2),
     where β and β₀ are the sines of the angles of the scattered and the direct ray. The total
@@ -1378,13 +1379,13 @@ def veiling_glare(
         multiply the input by the transfer function, or output the transfer function alone: one of
         multiply, filter_only; default 'multiply'
     form : Literal['length', 'harvey']
-        model of the spread: share and length, or Harvey's surface scatter: one of length, harvey;
-        default 'length'
+        model of the scatter: share and angular scale, or Harvey's surface scatter: one of length,
+        harvey; default 'length'
     share_percent : float | Expression
-        share of the light that is spread [%]: a number from 0 to 100; default 0.0
+        share of the light that is scattered [%]: a number from 0 to 100; default 0.0
     length_mrad : float | Expression
-        length of the spread: half of the spread light falls within 1.73 lengths [mrad]: a number
-        above 0 to 1e+06; default 10.0
+        angular scale of the scatter: half of the scattered light falls within 1.73 times it [mrad]:
+        a number above 0 to 1e+06; default 10.0
     b_per_sr : float | Expression
         BSDF of a surface at the direct ray [1/sr]: a number from 0 to 1e+12; default 0.0
     s : float | Expression
@@ -2089,8 +2090,8 @@ def spectral_response(
     empty, the temperature is 5800 K (sunlight) for a band that begins below 2.5 µm, and otherwise
     the picture's mean brightness temperature. `file`: a CSV file of wavelength (µm) and response,
     interpolated linearly and 0 outside its points. `gaussian`: `width_um` is the full width at half
-    maximum. Enter a response per watt unchanged; enter a response per photon as `response` in Focal
-    Plane.
+    maximum. Enter a response per watt here, without conversion. Enter a response per photon as
+    `response` in Focal Plane.
 
     Parameters
     ----------

@@ -290,9 +290,9 @@ def poisson(settings: timing.Settings) -> list[Table]:
     heads["variance"] = "variance / mean − 1"
     text = (
         "Exact deviates are the default, for every mean up to 1e12. Normal deviates, rounded to "
-        "counts, are least accurate where photons are few; there, exact deviates are also faster, "
-        "because only the events are drawn. Above a few photons per sample, normal deviates are "
-        "faster, and their distance from Poisson falls as 1/√mean. The distance is the largest "
+        "counts, are least accurate where photons are few. Exact deviates are also faster there, "
+        "because only the photons that arrive are drawn. Above a few photons per "
+        "sample, normal deviates are faster, and their distance from Poisson falls as 1/√mean. The distance is the largest "
         "difference between the cumulative distribution of the deviates and Poisson's. "
         f"In 95 of 100 fields of {settings.size}² exact deviates, the distance is below "
         f"{chance:.1g}."

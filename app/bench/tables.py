@@ -168,7 +168,7 @@ def _draw_errors(axis: Any, chart: Chart, rows: Sequence[Row]) -> None:
             textcoords="offset points", fontsize=9.5, color=colour,
         )  # fmt: skip
     axis.set_xlabel(
-        "time in multiples of T0, one forward and one inverse Fourier transform of the picture"
+        "time in multiples of T0, the time for one forward and one inverse Fourier transform"
     )
     axis.set_ylabel(chart.error)
     if named:

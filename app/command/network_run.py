@@ -122,7 +122,7 @@ class NetworkRun:
             tables.append("\n".join(warnings) + "\n")
         lines = []
         below = [skip for skip in self.skipped if skip.kind == "below_budget"]
-        if left_out := [f"{skip.node} (at most {skip.bound:.2g})" for skip in below]:
+        if left_out := [f"{skip.node} (effect at most {skip.bound:.2g})" for skip in below]:
             budget = evaluation.work.policy.budget
             lines.append(
                 f"left out within the error budget of {budget:.3g} of the picture's range: "

@@ -475,7 +475,7 @@ def _refusal(recipe: Recipe, shape: Shape, disk: ScratchDisk) -> DataError:
         f"samples does not fit in {amount_text(disk.memory_bytes)} of memory. Raise the memory "
         "limit, or leave the node out",
         node=recipe.node,
-        hint="raise the memory limit with --memory",
+        hint="--memory sets the limit",
     )
 
 

@@ -57,7 +57,7 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
             r"\frac{\lambda\rho}{D}\right)^{1/3}\right)\right]",
             where="λρ: in mm; r₀: Fried parameter; D: aperture; α: 0 for a long exposure; "
             "the last bracket is never below 0",
-            when="turbulence long_exposure, short_exposure",
+            when="turbulence long_exposure or short_exposure",
         ),
         Formula(
             r"r_0=\left(0.423\,k^2\int C_n^2(z)\,w(z)\,dz\right)^{-3/5}",

@@ -45,8 +45,8 @@ class SpectralResponse(
     empty, the temperature is 5800 K (sunlight) for a band that begins below 2.5 µm, and otherwise
     the picture's mean brightness temperature. `file`: a CSV file of wavelength (µm) and response,
     interpolated linearly and 0 outside its points. `gaussian`: `width_um` is the full width at half
-    maximum. Enter a response per watt unchanged; enter a response per photon as `response` in Focal
-    Plane.
+    maximum. Enter a response per watt here, without conversion. Enter a response per photon as
+    `response` in Focal Plane.
     """
 
     formulas = (

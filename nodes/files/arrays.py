@@ -104,7 +104,7 @@ def read_matrix(path: str | os.PathLike[str]) -> NDArray[np.float64]:
         picture_info.refuse_oversized_text(file)
         text = file.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError as error:
-        raise FileError(f"{file}: not a text file of numbers") from error
+        raise FileError(f"{file}: not a text file with numbers") from error
     except OSError as error:
         raise FileError(f"{file}: {error.strerror or error}") from error
     lines = [line.strip() for line in text.splitlines()]

@@ -132,9 +132,9 @@ def lens_lines(path: Path, *, what: str) -> list[str]:
     except OSError as error:
         raise FileError(f"{path}: {error.strerror or error}") from error
     except UnicodeDecodeError as error:
-        raise FileError(f"{path}: not a text file of {what}") from error
+        raise FileError(f"{path}: not a text file with {what}") from error
     if any(ord(sign) < 32 and sign not in "\t\n\r\f\x1a" for sign in text):
-        raise FileError(f"{path}: not a text file of {what}")
+        raise FileError(f"{path}: not a text file with {what}")
     return text.rstrip("\x1a").splitlines()
 
 

@@ -37,12 +37,13 @@ class GaussianMTF(MtfModule, key="gaussian_mtf", title="Gaussian MTF", group="Op
 class VeilingGlare(MtfModule, key="veiling_glare", title="Veiling Glare", group="Optics"):
     """Spread a share of the light over a wide area, like scatter and ghosts in the lens.
 
-    The point spread function has two parts. A share 1 − g of the light is not spread. The share g
-    falls off with distance as ℓ/(2π(r² + ℓ²)^(3/2)), with half of this light within √3·ℓ. The MTF
-    drops to 1 − g over a few cycles per ℓ: dark areas near bright ones become brighter, and fine
-    detail loses a fraction g of its contrast. If g is not known otherwise, enter the veiling glare
-    index of the lens, measured as in ISO 9358 in a small black area within an evenly bright field.
-    Light that leaves the frame is mirrored or repeated, as Init & Trans defines.
+    The point spread function has two parts. A fraction 1 − g of the light is not scattered. The
+    fraction g falls off with distance as ℓ/(2π(r² + ℓ²)^(3/2)), with half of this light within
+    √3·ℓ. The MTF drops to 1 − g over a few cycles per ℓ: dark areas near bright ones become
+    brighter, and fine detail loses a fraction g of its contrast. If g is not known otherwise, enter
+    the veiling glare index of the lens, measured as in ISO 9358 in a small black area within an
+    evenly bright field. Light that leaves the frame is mirrored or repeated, as Init & Trans
+    defines.
 
     `harvey` models the scatter of optical surfaces instead: BSDF = b·[1 + ((β − β₀)/l)²]^(s/2),
     where β and β₀ are the sines of the angles of the scattered and the direct ray. The total
@@ -59,8 +60,8 @@ class VeilingGlare(MtfModule, key="veiling_glare", title="Veiling Glare", group=
     formulas = (
         Formula(
             r"H(\rho)=1-g+g\,e^{-2\pi\ell\rho}",
-            where="g: share of the light that is spread; ℓ: length of the spread, mrad; ρ: radial "
-            "frequency",
+            where="g: fraction of the light that is scattered; ℓ: angular scale of the scatter, "
+            "mrad; ρ: radial frequency",
             when="length",
         ),
         Formula(
@@ -73,13 +74,15 @@ class VeilingGlare(MtfModule, key="veiling_glare", title="Veiling Glare", group=
     )
 
     form: Literal["length", "harvey"] = param(
-        "length", "model of the spread: share and length, or Harvey's surface scatter"
+        "length", "model of the scatter: share and angular scale, or Harvey's surface scatter"
     )
 
-    share_percent: float = param(0.0, "share of the light that is spread", (0, 100), slider=(0, 20))
+    share_percent: float = param(
+        0.0, "share of the light that is scattered", (0, 100), slider=(0, 20)
+    )
     length_mrad: float = param(
         10.0,
-        "length of the spread: half of the spread light falls within 1.73 lengths",
+        "angular scale of the scatter: half of the scattered light falls within 1.73 times it",
         (0, 1e6),
         above=True,
         slider=(0.1, 100),
@@ -125,7 +128,7 @@ class VeilingGlare(MtfModule, key="veiling_glare", title="Veiling Glare", group=
 
     @readout("%")
     def scatter_percent(self) -> float:
-        """Total share of the light that is spread."""
+        """Fraction of the light that is scattered."""
         if self.form == "length":
             return self.share_percent
         return 100.0 * (1.0 - (1.0 - harvey_scatter(**self._surface())) ** self.surfaces)

@@ -56,7 +56,7 @@ def test_says_what_the_budget_left_out(imagechain, write, small, tmp_path):
     assert f"left out: effect at most {text}" in page
     assert economy(page)[0][2] == f"jitter (at most {text} of the range)"
     told = "left out within the error budget of 1.49e-08 of the picture's range: jitter "
-    assert f"{told}(at most {bound:.2g})\n" in done.stdout
+    assert f"{told}(effect at most {bound:.2g})\n" in done.stdout
 
 
 def gaussian_corner(sigma_mrad):

@@ -131,7 +131,7 @@ def test_text_matrix_written_by_others(tmp_path):
         (b"1 2\n3 x\n", "not a matrix of numbers; line 2 contains text"),
         (b"1;2\n", "not a matrix of numbers; line 1 contains text"),
         (b"\n# nothing\n", "contains no numbers"),
-        (b"\xff\xfe\x00", "not a text file of numbers"),
+        (b"\xff\xfe\x00", "not a text file with numbers"),
     ],
 )
 def test_text_that_is_no_matrix(tmp_path, content, message):

@@ -198,8 +198,8 @@ GOOD = "frequency (cyc/mm),mtf\n0,1\n10,0.5\n"
         ("frequency (cyc/mm),mtf,phase_x\n0,1,1\n1,1,1\n", "column phase_x: the table has 1 at"),
         ("frequency (cyc/mm),mtf\n0,0.9\n10,0.5\n", "0.9 at frequency 0; allowed: 1 ± 0.001"),
         ("frequency (cyc/mm),mtf_x,radial\n0,1,1\n10,0.5,.5\n", "direction = 'file'"),
-        (bytes(range(256)) * 40, "not a text file of frequency and MTF columns"),
-        (b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR", "not a text file of frequency"),
+        (bytes(range(256)) * 40, "not a text file with frequency and MTF columns"),
+        (b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR", "not a text file with frequency"),
         ("frequency (cyc/mm),mtf\n" + "0,1\n" * 3_000_000, "12000023 bytes; a table of"),
     ],
 )  # fmt: skip

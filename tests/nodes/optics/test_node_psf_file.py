@@ -128,7 +128,7 @@ def test_zemax_listing_with_its_spacing(tmp_path, unit, um):
         ("a.txt", b"1 2 3\n4 5\n", "line 2 has 2 numbers; allowed: 3"),
         ("a.txt", b"1 2 3\n4 nan 5\n", "1 sample is not finite"),
         ("a.txt", b"0 0 0\n0 0 0\n", "sum to 0; allowed: above 0"),
-        ("a.txt", bytes(range(256)), "not a text file of a matrix of numbers"),
+        ("a.txt", bytes(range(256)), "not a text file with a matrix of numbers"),
         ("a.txt", b"0 " * 5000 + b"1\n", "5001 × 1 samples; at most 4096 on a side"),
         ("a.npy", b"\x93NUMPY\x01\0 and no more", "damaged or truncated"),
         ("a.png", b"\x89PNG\r\n\x1a\nnothing", "a.png"),
