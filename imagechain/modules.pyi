@@ -941,10 +941,10 @@ def diffraction_mtf(
     the temperature is 5800 K (sunlight) for a band that begins below 2.5 µm, and otherwise the
     brightness temperature of the picture's mean radiance. `response`, and a Spectral Response
     before this module, also weight the light, like a detector behind the optics. With `wavelengths`
-    set to auto, the module uses as many wavelengths as `tolerance` requires, placed between the
-    kinks of the OTF. A number sets how many wavelengths sample the band; 1 uses the band's middle.
-    With auto, a spectral picture is blurred band by band, and the MTF shown is the mean weighted by
-    the picture's own light.
+    set to auto, the module uses as many wavelengths as `tolerance` requires. At each frequency, the
+    band is split at the wavelengths where the OTF has a kink, such as its cut-off. A number sets
+    how many wavelengths sample the band; 1 uses the band's middle. With auto, a spectral picture is
+    blurred band by band, and the MTF shown is the mean weighted by the picture's own light.
 
     `defocus_waves` is W20 at the rim of the pupil, in waves at the band's middle; the OTF stays
     real and may be negative. `rms_wavefront_waves`, also in waves at the band's middle, applies
@@ -1548,8 +1548,8 @@ def psf_file(
         focal length, used if pitch_unit is um; empty: from Init & Trans [mm]: a number of at least
         0 or empty; default empty
     centroid : Literal['kept', 'removed']
-        a centroid off the file's middle: kept (it shifts the picture), or removed: one of kept,
-        removed; default 'kept'
+        offset of the centroid from the array's centre: kept (it shifts the picture), or removed:
+        one of kept, removed; default 'kept'
     background : float | Expression
         background to subtract from every sample, in the file's unit: a number; default 0.0
     apply : Literal['multiply', 'filter_only']
@@ -2230,8 +2230,8 @@ def focal_plane(
     Radiance is converted to photons with the spectrum of a black body at the scene's brightness
     temperature (`scene`) or at `source_K` (`source`), or with the band's middle wavelength
     (`middle`). The table lists the signal for each choice. For a spectral picture, each band is
-    converted to photons with the response at its wavelength. For a band that begins below 2.5 µm,
-    which is not thermal, `scene` means `source`. NETD, SNR and well fill refer to the picture's
+    converted to photons with the response at its wavelength. A band that begins below 2.5 µm
+    is not thermal: there `scene` acts as `source`. NETD, SNR and well fill refer to the picture's
     mean; if the mean is clipped, there is no NETD, SNR or NEI. `snr_at_reference` is the SNR of a
     uniform scene of `reference_radiance`, as specified for Landsat and Sentinel-2.
     `reference_radiance` is the spectral radiance at the aperture, in W/m²/sr/µm, and is constant
@@ -2588,8 +2588,8 @@ def dual_gain(
     Parameters
     ----------
     switch_level : float | Expression | None
-        sample value of high above which low is used, in the picture's unit; empty: low is never
-        used: a number from 1e-12 to 1e+12 or empty; default empty
+        sample value in the `high` picture, in its unit, above which the `low` picture is used;
+        empty: `low` is never used: a number from 1e-12 to 1e+12 or empty; default empty
     blend_percent : float | Expression
         width of the transition below switch_level, as a share of switch_level [%]: a number from 0
         to 100; default 0.0

@@ -291,9 +291,9 @@ def poisson(settings: timing.Settings) -> list[Table]:
     text = (
         "Exact deviates are the default, for every mean up to 1e12. Normal deviates, rounded to "
         "counts, are least accurate where photons are few. Exact deviates are also faster there, "
-        "because only the photons that arrive are drawn. Above a few photons per "
-        "sample, normal deviates are faster, and their distance from Poisson falls as 1/√mean. The distance is the largest "
-        "difference between the cumulative distribution of the deviates and Poisson's. "
+        "because only the photons that arrive are drawn. Above a few photons per sample, normal "
+        "deviates are faster, and their distance from Poisson falls as 1/√mean. The distance is "
+        "the largest difference between the cumulative distribution of the deviates and Poisson's. "
         f"In 95 of 100 fields of {settings.size}² exact deviates, the distance is below "
         f"{chance:.1g}."
     )

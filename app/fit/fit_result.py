@@ -426,7 +426,7 @@ def _misfit(fit: ChainFit, lone: tuple[int, ...]) -> list[str]:
             *lines,
             f"the edge residuals are up to {share:.2g} % of a step, {left} the noise. "
             f"The standard errors come from the scatter between {fit.misfit.edges} edges, or from "
-            "all residuals if the errors are then larger. Blur that all edges share, such as "
+            "all residuals, whichever gives larger errors. Blur that all edges share, such as "
             "softness of the scene, is treated as blur of the chain",
         ]
     return [

@@ -72,8 +72,8 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
     Radiance is converted to photons with the spectrum of a black body at the scene's brightness
     temperature (`scene`) or at `source_K` (`source`), or with the band's middle wavelength
     (`middle`). The table lists the signal for each choice. For a spectral picture, each band is
-    converted to photons with the response at its wavelength. For a band that begins below 2.5 µm,
-    which is not thermal, `scene` means `source`. NETD, SNR and well fill refer to the picture's
+    converted to photons with the response at its wavelength. A band that begins below 2.5 µm
+    is not thermal: there `scene` acts as `source`. NETD, SNR and well fill refer to the picture's
     mean; if the mean is clipped, there is no NETD, SNR or NEI. `snr_at_reference` is the SNR of a
     uniform scene of `reference_radiance`, as specified for Landsat and Sentinel-2.
     `reference_radiance` is the spectral radiance at the aperture, in W/m²/sr/µm, and is constant
@@ -536,7 +536,7 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
          "the sensitivity threshold."),
         ("sensitivity_threshold_photons", "photons", "Sensitivity threshold according to EMVA "
          "1288: photons per pixel at which the SNR is 1."),
-        ("snr_max_dB", "dB", "Largest SNR according to EMVA 1288: at saturation, with shot noise "
+        ("snr_max_dB", "dB", "Maximum SNR according to EMVA 1288: at saturation, with shot noise "
          "alone."),
         ("gain_e_per_dn", "e-/DN", "Electrons per digital number."),
         ("mean_dn", "DN", "Mean signal of the picture, in digital numbers."),

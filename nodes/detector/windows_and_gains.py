@@ -185,8 +185,8 @@ class DualGain(Module, key="dual_gain", title="Dual Gain", group="Detector"):
 
     switch_level: float | None = param(
         None,
-        "sample value of high above which low is used, in the picture's unit; empty: "
-        "low is never used",
+        "sample value in the `high` picture, in its unit, above which the `low` picture is used; "
+        "empty: `low` is never used",
         (1e-12, 1e12),
         slider=(1, 1e5),
     )

@@ -47,10 +47,10 @@ class DiffractionMTF(
     the temperature is 5800 K (sunlight) for a band that begins below 2.5 µm, and otherwise the
     brightness temperature of the picture's mean radiance. `response`, and a Spectral Response
     before this module, also weight the light, like a detector behind the optics. With `wavelengths`
-    set to auto, the module uses as many wavelengths as `tolerance` requires, placed between the
-    kinks of the OTF. A number sets how many wavelengths sample the band; 1 uses the band's middle.
-    With auto, a spectral picture is blurred band by band, and the MTF shown is the mean weighted by
-    the picture's own light.
+    set to auto, the module uses as many wavelengths as `tolerance` requires. At each frequency, the
+    band is split at the wavelengths where the OTF has a kink, such as its cut-off. A number sets
+    how many wavelengths sample the band; 1 uses the band's middle. With auto, a spectral picture is
+    blurred band by band, and the MTF shown is the mean weighted by the picture's own light.
 
     `defocus_waves` is W20 at the rim of the pupil, in waves at the band's middle; the OTF stays
     real and may be negative. `rms_wavefront_waves`, also in waves at the band's middle, applies

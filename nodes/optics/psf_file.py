@@ -72,7 +72,8 @@ class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics")
         slider=(10, 10000),
     )
     centroid: Literal["kept", "removed"] = param(
-        "kept", "a centroid off the file's middle: kept (it shifts the picture), or removed"
+        "kept",
+        "offset of the centroid from the array's centre: kept (it shifts the picture), or removed",
     )
     background: float = param(
         0.0, "background to subtract from every sample, in the file's unit", slider=(0, 100)
@@ -174,12 +175,12 @@ class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics")
 
     @readout("mrad")
     def centre_x_mrad(self, outputs: OtfOutputs) -> Step | None:
-        """Distance of the centroid to the right of the file's middle."""
+        """Horizontal offset of the centroid from the array's centre, positive to the right."""
         return _centroid(outputs, 1)
 
     @readout("mrad")
     def centre_y_mrad(self, outputs: OtfOutputs) -> Step | None:
-        """Distance of the centroid below the file's middle."""
+        """Vertical offset of the centroid from the array's centre, positive downwards."""
         return _centroid(outputs, 0)
 
     @readout()

@@ -125,8 +125,10 @@ def test_the_satellite_is_compared_by_the_figures_of_emva_1288(shipped_report):
     facts = shipped_report("satellite_tdi").facts
     groups = {group["title"]: group for group in facts["data_sheet"]["groups"]}
     rows = {(r["label"], r["unit"]): r["values"][0] for r in groups["Focal plane"]["rows"]}
-    assert rows["Largest SNR (shot noise at saturation)", ""] == pytest.approx(math.sqrt(30000))
-    assert rows["Largest SNR (shot noise at saturation)", "dB"] == pytest.approx(
+    assert rows["Maximum SNR (at saturation, shot noise only)", ""] == pytest.approx(
+        math.sqrt(30000)
+    )
+    assert rows["Maximum SNR (at saturation, shot noise only)", "dB"] == pytest.approx(
         10 * math.log10(30000)
     )
     dark, step = 1e4 * 6.94e-5 * 32, 30000 / 4095

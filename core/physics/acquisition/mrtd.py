@@ -321,10 +321,10 @@ def perceived_share(
     places = numerics.all_above_zero("frequency", frequency, unit="cyc/mrad")
     magnified = numerics.positive("magnification", magnification)
     power = np.ones((1, 1)) if spectrum is None else numerics.all_from_zero("spectrum", spectrum)
-    if power.ndim != 2 or not power.sum() > 0.0:
-        raise ParameterError(
-            "spectrum.shape", power.shape, "two-dimensional, with a total power above 0"
-        )
+    if power.ndim != 2:
+        raise ParameterError("spectrum.shape", power.shape, "two-dimensional")
+    if not power.sum() > 0.0:
+        raise ParameterError("the sum of spectrum", power.sum(), "above 0")
     rows, columns = power.shape
     # A white spectrum is one cell: cut finely enough for the channel's logarithm.
     finer_x, finer_y = max(1, 256 // columns), max(1, 64 // rows)
