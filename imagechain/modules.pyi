@@ -463,13 +463,14 @@ def interpolate(
 ) -> Part:
     """Resample the picture to another size over the same field of view.
 
-    Sample centres lie half an interval from the frame's edges. Beyond the edges, a picture from
-    Back Transform continues as Init & Trans defines: a mirrored frame is mirrored, and a periodic
-    frame wraps round. Any other picture, or one cropped after Back Transform, continues with its
-    outermost samples. Nothing is filtered: a smaller picture aliases, as in a frame grabber. Order
-    0 takes the nearest sample (the later of two equally near samples), order 1 is bilinear, and
-    order 3 is cubic convolution. With an unchanged size, the picture does not change. Sources:
-    Tantalo 1996, sections 5.1 and 5.2 (bilinear); Keys 1981 (cubic, a = −1/2).
+    The centres of the outermost samples lie half a sampling interval inside the frame's edges.
+    Beyond the edges, a picture from Back Transform continues as Init & Trans defines: a mirrored
+    frame is mirrored, and a periodic frame wraps round. Any other picture, or one cropped after
+    Back Transform, continues with its outermost samples. Nothing is filtered: a smaller picture
+    aliases, as in a frame grabber. Order 0 takes the nearest sample (the later of two equally near
+    samples), order 1 is bilinear, and order 3 is cubic convolution. With an unchanged size, the
+    picture does not change. Sources: Tantalo 1996, sections 5.1 and 5.2 (bilinear); Keys 1981
+    (cubic, a = −1/2).
 
     Parameters
     ----------
@@ -2692,12 +2693,12 @@ def frame_transfer_smear(
 ) -> Part:
     """Smear bright objects along their columns, as a frame-transfer CCD without a shutter does.
 
-    A charge packet spends one line transfer time in every row that it passes. After the exposure,
-    the packet passes the rows between its pixel and the storage area; before the exposure, it
-    passed the other rows. If the detector is cleared just before the exposure, set `passed` to the
-    side of the storage area. Put this module after Sample Pixels or Combine Pixels and before Focal
-    Plane, which then adds the shot noise of the smear. Source: Janesick 2001, Scientific
-    Charge-Coupled Devices, chapter 1.
+    A charge packet spends one line transfer time in every row that it passes through. After the
+    exposure, the packet passes the rows between its pixel and the storage area; before the
+    exposure, it passed the other rows. If the detector is cleared just before the exposure, set
+    `passed` to the side of the storage area. Put this module after Sample Pixels or Combine Pixels
+    and before Focal Plane, which then adds the shot noise of the smear. Source: Janesick 2001,
+    Scientific Charge-Coupled Devices, chapter 1.
 
     Parameters
     ----------
@@ -2761,10 +2762,11 @@ def charge_trails(
 
     In each transfer, a share of the charge stays behind and joins the next packet. Charge is
     shifted along the columns into the serial register, which is then read pixel by pixel. A pixel
-    n transfers from the amplifier loses about n·(1 − efficiency) of its charge to its trail. Charge
-    that trails out of the picture is lost. Use either this module or Charge Transfer MTF, which
-    blurs all pixels equally. Put this module after Sample Pixels or Combine Pixels. Predicted MTFs
-    hold for the middle pixel. Source: Janesick 2001, Scientific Charge-Coupled Devices, chapter 5.
+    that is n transfers away from the amplifier loses about n·(1 − efficiency) of its charge to its
+    trail. Charge that trails out of the picture is lost. Use either this module or Charge Transfer
+    MTF, which blurs all pixels equally. Put this module after Sample Pixels or Combine Pixels.
+    Predicted MTFs hold for the middle pixel. Source: Janesick 2001, Scientific Charge-Coupled
+    Devices, chapter 5.
 
     Parameters
     ----------
@@ -3275,10 +3277,10 @@ def figures_of_merit(
 ) -> Part:
     """Compute SNR, NETD, MRTD, MDTD and acquisition ranges of the sensor that took a picture.
 
-    The transfer function and the noise are predicted from the picture's chain; no noise is drawn or
-    measured. The SNR and the background temperature use the picture's mean without noise, gain
-    errors or bias errors. Connect the picture as the sensor samples it, before a frame grabber
-    interpolates it: its samples set the Nyquist frequency and the noise bandwidth.
+    The transfer function and the noise are predicted from the picture's chain; no noise is
+    simulated or measured. The SNR and the background temperature use the picture's mean without
+    noise, gain errors or bias errors. Connect the picture as the sensor samples it, before a frame
+    grabber interpolates it: its samples set the Nyquist frequency and the noise bandwidth.
 
     MRTD (four bars, 7:1): (π²/8)·SNR_th·σ/H, with the noise σ that remains after the eye has
     averaged over a bar and over time. `ratches_1976` uses temporal noise only and has no sampling
@@ -3409,8 +3411,8 @@ def noise_budget(
 ) -> Part:
     """Show how much each source contributes to the noise, and each stage to the blur.
 
-    Everything is computed from the picture's chain; no noise is drawn. The noise of each source is
-    propagated to the picture through all later filters, pixel combining and interpolation.
+    Everything is computed from the picture's chain; no noise is simulated. The noise of each source
+    is propagated to the picture through all later filters, pixel combining and interpolation.
     Variances of independent noises add, so each source has a share of the sum. `fixed` means
     fixed-pattern noise, the same in every frame, averaged over all sensors of the same design.
     Quantization noise is included. Moduli of MTFs multiply, so −ln |MTF| adds; at one frequency the
@@ -3758,9 +3760,9 @@ def image_quality(
     a sample after it. The overshoot H is the maximum of the edge response 1 to 3 samples beyond the
     edge; if the response only rises there, H is the response at 1.25 samples. RER and H follow from
     the chain's transfer functions; the SNR follows from the chain's signal and temporal noise. No
-    noise is drawn or measured. GSD, RER and H are geometric means of the horizontal and vertical
-    values; in GIQE 5 the worse RER counts twice. Connect the picture as the sensor samples it,
-    before a frame grabber interpolates it.
+    noise is simulated or measured. GSD, RER and H are geometric means of the horizontal and
+    vertical values; in GIQE 5 the worse RER counts twice. Connect the picture as the sensor samples
+    it, before a frame grabber interpolates it.
 
     With `snr_of` = `contrast`, the SNR is the difference in signal between surfaces of 15 % and 7 %
     reflectance, divided by the noise. If the scene is in reflectance and Reflected Light converts

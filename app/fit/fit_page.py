@@ -297,7 +297,7 @@ def fit_text(result: FitResult) -> str:
     if isinstance(result.noise, NoiseComparison):
         how = "noise fitted" if result.noise.fitted else "noise not fitted"
         ratio = number_text(float(f"{result.noise.ratio:.4g}"))
-        lines.append(f"predicted over measured rms noise  {ratio}  ({how})")
+        lines.append(f"rms noise, predicted / measured  {ratio}  ({how})")
     elif result.noise:
         lines.append(result.noise)
     lines += [*result.notes, *(f"warning: {line}" for line in result.warnings)]

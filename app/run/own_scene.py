@@ -257,7 +257,7 @@ class _Replacing:
         largest = np.iinfo(info.dtype).max if np.dtype(info.dtype).kind == "u" else 1
         if unit == "reflectance" and largest > 1:
             values["scale"] = 1.0 / largest
-            self._lines.append(f"samples 0…{largest} are reflectances of 0…1")
+            self._lines.append(f"samples 0…{largest} map to reflectances 0…1")
         else:
             self._lines.append(f"samples in {unit}{'' if stated else ', from the file'}")
         return values | {"unit": unit}

@@ -115,7 +115,7 @@ def listed_points(
     try:
         if (length := path.stat().st_size) > _MOST_BYTES:
             raise errors.FileError(
-                f"{name}: {length} bytes are too many; allowed: at most {_MOST_BYTES}"
+                f"{name}: too large, {length} bytes; allowed: at most {_MOST_BYTES}"
             )
         text = path.read_text(encoding="utf-8-sig")
     except OSError as error:

@@ -280,7 +280,7 @@ class Caution:
 
     @property
     def text(self) -> str:
-        return f"{self.message}: {self.remedy}"
+        return f"{self.message}. {self.remedy[:1].upper()}{self.remedy[1:]}"
 
     def at(self, node: str, check: str) -> Caution:
         return replace(self, node=node, check=check)

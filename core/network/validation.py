@@ -263,8 +263,8 @@ def _one_name_twice(network: Network) -> Iterator[NetworkError]:
     for name, count in names.items():
         if count > 1:
             yield NetworkError(
-                f"{shown(name)} is the name of {count} nodes, one of them inside a macro: give "
-                "one of these nodes another id"
+                f"{shown(name)} is the id of {count} nodes, one of them inside a macro. Give "
+                "each node an id of its own"
             )
 
 

@@ -43,10 +43,10 @@ class MeritOutputs(NamedTuple):
 class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", group="Analysis"):
     """Compute SNR, NETD, MRTD, MDTD and acquisition ranges of the sensor that took a picture.
 
-    The transfer function and the noise are predicted from the picture's chain; no noise is drawn or
-    measured. The SNR and the background temperature use the picture's mean without noise, gain
-    errors or bias errors. Connect the picture as the sensor samples it, before a frame grabber
-    interpolates it: its samples set the Nyquist frequency and the noise bandwidth.
+    The transfer function and the noise are predicted from the picture's chain; no noise is
+    simulated or measured. The SNR and the background temperature use the picture's mean without
+    noise, gain errors or bias errors. Connect the picture as the sensor samples it, before a frame
+    grabber interpolates it: its samples set the Nyquist frequency and the noise bandwidth.
 
     MRTD (four bars, 7:1): (π²/8)·SNR_th·σ/H, with the noise σ that remains after the eye has
     averaged over a bar and over time. `ratches_1976` uses temporal noise only and has no sampling

@@ -38,9 +38,9 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
     a sample after it. The overshoot H is the maximum of the edge response 1 to 3 samples beyond the
     edge; if the response only rises there, H is the response at 1.25 samples. RER and H follow from
     the chain's transfer functions; the SNR follows from the chain's signal and temporal noise. No
-    noise is drawn or measured. GSD, RER and H are geometric means of the horizontal and vertical
-    values; in GIQE 5 the worse RER counts twice. Connect the picture as the sensor samples it,
-    before a frame grabber interpolates it.
+    noise is simulated or measured. GSD, RER and H are geometric means of the horizontal and
+    vertical values; in GIQE 5 the worse RER counts twice. Connect the picture as the sensor samples
+    it, before a frame grabber interpolates it.
 
     With `snr_of` = `contrast`, the SNR is the difference in signal between surfaces of 15 % and 7 %
     reflectance, divided by the noise. If the scene is in reflectance and Reflected Light converts

@@ -291,8 +291,8 @@ class BudgetOutputs(NamedTuple):
 class NoiseBudget(Module, key="noise_budget", title="Noise Budget", group="Analysis"):
     """Show how much each source contributes to the noise, and each stage to the blur.
 
-    Everything is computed from the picture's chain; no noise is drawn. The noise of each source is
-    propagated to the picture through all later filters, pixel combining and interpolation.
+    Everything is computed from the picture's chain; no noise is simulated. The noise of each source
+    is propagated to the picture through all later filters, pixel combining and interpolation.
     Variances of independent noises add, so each source has a share of the sum. `fixed` means
     fixed-pattern noise, the same in every frame, averaged over all sensors of the same design.
     Quantization noise is included. Moduli of MTFs multiply, so −ln |MTF| adds; at one frequency the

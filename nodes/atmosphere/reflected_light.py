@@ -198,9 +198,9 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
         if band is None or band[1] <= _AIRGLOW_UM:
             return None
         return Caution(
-            f"the light beyond {_AIRGLOW_UM:g} µm is too weak: {lux:g} lx is starlight, and "
-            "airglow is stronger there than sunlight scaled to this illuminance",
-            "give the spectrum of the night sky in path",
+            f"the simulated light beyond {_AIRGLOW_UM:g} µm is too weak, because at {lux:g} lx "
+            "(starlight) airglow is stronger there than scaled sunlight",
+            "give a spectrum of the night sky as path",
         )
 
     @warning

@@ -236,10 +236,11 @@ class ChargeTrails(OfPixels, key="charge_trails", title="Charge Trails", group="
 
     In each transfer, a share of the charge stays behind and joins the next packet. Charge is
     shifted along the columns into the serial register, which is then read pixel by pixel. A pixel
-    n transfers from the amplifier loses about n·(1 − efficiency) of its charge to its trail. Charge
-    that trails out of the picture is lost. Use either this module or Charge Transfer MTF, which
-    blurs all pixels equally. Put this module after Sample Pixels or Combine Pixels. Predicted MTFs
-    hold for the middle pixel. Source: Janesick 2001, Scientific Charge-Coupled Devices, chapter 5.
+    that is n transfers away from the amplifier loses about n·(1 − efficiency) of its charge to its
+    trail. Charge that trails out of the picture is lost. Use either this module or Charge Transfer
+    MTF, which blurs all pixels equally. Put this module after Sample Pixels or Combine Pixels.
+    Predicted MTFs hold for the middle pixel. Source: Janesick 2001, Scientific Charge-Coupled
+    Devices, chapter 5.
     """
 
     formulas = (
@@ -380,12 +381,12 @@ class FrameTransferSmear(
 ):
     """Smear bright objects along their columns, as a frame-transfer CCD without a shutter does.
 
-    A charge packet spends one line transfer time in every row that it passes. After the exposure,
-    the packet passes the rows between its pixel and the storage area; before the exposure, it
-    passed the other rows. If the detector is cleared just before the exposure, set `passed` to the
-    side of the storage area. Put this module after Sample Pixels or Combine Pixels and before Focal
-    Plane, which then adds the shot noise of the smear. Source: Janesick 2001, Scientific
-    Charge-Coupled Devices, chapter 1.
+    A charge packet spends one line transfer time in every row that it passes through. After the
+    exposure, the packet passes the rows between its pixel and the storage area; before the
+    exposure, it passed the other rows. If the detector is cleared just before the exposure, set
+    `passed` to the side of the storage area. Put this module after Sample Pixels or Combine Pixels
+    and before Focal Plane, which then adds the shot noise of the smear. Source: Janesick 2001,
+    Scientific Charge-Coupled Devices, chapter 1.
     """
 
     formulas = (

@@ -238,9 +238,9 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
             return None
         obscured = f" and obscuration_ratio = {sheet.obscuration_ratio:g}"
         return Caution(
-            f"t_number = {sheet.t_number:g} implies more light than a lossless lens with f_number "
-            f"= {sheet.f_number:.4g}{obscured if sheet.obscuration_ratio else ''} passes "
-            f"({clear:.4g} sr against {most:.4g} sr): the T-number is used",
+            f"t_number = {sheet.t_number:g} is too small for f_number = {sheet.f_number:.4g}"
+            f"{obscured if sheet.obscuration_ratio else ''}: it means {clear:.4g} sr, but a "
+            f"lossless lens collects {most:.4g} sr. The T-number is used",
             "correct t_number or f_number; a T-number is larger than the F-number",
         )
 

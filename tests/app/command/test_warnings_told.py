@@ -11,7 +11,7 @@ import xarray as xr
 WRITES = "run writes net-output/final.png, net-output/mtf.csv, net-output/readouts.json"
 BAND = (
     "electronics: the picture's radiance covers 8 to 14 µm, but cut_on_um to cut_off_um is 3 "
-    "to 5 µm: the bands do not overlap: leave cut_on_um and cut_off_um empty to use the "
+    "to 5 µm: the bands do not overlap. Leave cut_on_um and cut_off_um empty to use the "
     "picture's band, or set the picture's band to match"
 )
 
@@ -56,7 +56,8 @@ def test_run_tells_on_the_terminal_in_the_readouts_and_in_reports(lwir, works, t
     (fact,) = json.loads((tmp_path / "r.json").read_text())["warnings"]
     assert fact["node"] == "electronics"
     assert fact["check"] == "band"
-    assert f"{fact['node']}: {fact['message']}: {fact['remedy']}" == BAND
+    remedy = fact["remedy"]
+    assert BAND == f"{fact['node']}: {fact['message']}. {remedy[0].upper()}{remedy[1:]}"
     page = unescape((tmp_path / "r.html").read_text())
     box = re.search(r'<ul class="warnings">.*?</ul>', page, re.S)
     assert box is not None
@@ -73,7 +74,7 @@ def contradiction(focal_mm):
     """What Camera says of F/4 and an aperture of 50 mm; nothing at 200 mm, where both agree."""
     if focal_mm == 200:
         return ""
-    return f"camera: f_number = 4 here but {focal_mm / 50:g} from {focal_mm:g} mm / 50 mm: leave"
+    return f"camera: f_number = 4 here but {focal_mm / 50:g} from {focal_mm:g} mm / 50 mm. Leave"
 
 
 @pytest.mark.parametrize("name", ["a.parquet", "a.nc"])

@@ -188,7 +188,7 @@ MACRO = ("nodes", "camera", "macro")
         (("links", 1, 0), "camera.picture",
          "camera: the macro has no output picture (the link camera.picture → save.image); allowed"),
         (("nodes", "camera/back"), {"module": "back_transform"},
-         "camera/back is the name of 2 nodes, one of them inside a macro: give one of these"),
+         "camera/back is the id of 2 nodes, one of them inside a macro. Give each node an id"),
     ],
 )  # fmt: skip
 def test_bad_macros_give_one_clear_line(path, value, begins, document):
