@@ -1450,14 +1450,14 @@ def mtf_file(
     """Apply an MTF from a file: measured, from a data sheet, or from a lens design.
 
     The file is a CSV table whose first line names its columns. The frequency comes first, with its
-    unit, as in `frequency (cyc/mm)`. Then comes `mtf`, or `radial`, or `mtf_x` and `mtf_y` (one is
-    enough). If the phase is known, add `phase`, or `phase_x` and `phase_y`, in rad or `(deg)`.
-    Zemax text listings of MTF against frequency are also read; the tangential curve acts along y.
-    `direction` sets the axis along which a column `mtf` acts, or selects one of several curves;
-    `radial` means the same MTF in all directions. Between points the curve is a monotone cubic
-    (PCHIP). A table that begins above frequency 0 gets an MTF of 1 at 0. Beyond the last point the
-    MTF is 0; it is never extrapolated. The phase is odd in frequency and is interpolated the
-    shorter way round.
+    unit, as in `frequency (cyc/mm)`. The next column is `mtf` or `radial`; alternatively, give
+    `mtf_x`, `mtf_y` or both. If the phase is known, add `phase`, or `phase_x` and `phase_y`, in rad
+    or `(deg)`. Zemax text listings of MTF against frequency are also read; the tangential curve
+    acts along y. `direction` sets the axis along which a column `mtf` acts, or selects one of
+    several curves; `radial` means the same MTF in all directions. Between points the curve is a
+    monotone cubic (PCHIP). A table that begins above frequency 0 gets an MTF of 1 at 0. Beyond the
+    last point the MTF is 0; it is never extrapolated. The phase is odd in frequency and is
+    interpolated the shorter way round.
 
     Frequencies are per mm at the focal plane (converted with the focal length), per mrad, or per
     pixel (converted with pitch and focal length). `imagechain measure` writes a table in this

@@ -232,7 +232,7 @@ def handbook(stop: Stop, word: str, html: Path | None, path: bool, json: bool) -
     if word:
         address, known = pages.find_page(word, library)
         if address is None:
-            hint = close(word, known) or "; imagechain handbook opens the first page"
+            hint = close(word, known) or "; run imagechain handbook to open the first page"
             raise UsageError(f"the handbook has no page on {shown(word)}{hint}")
     with options.Progress(sum(map(len, PARTS.values())) + len(library)) as progress:
 

@@ -286,9 +286,12 @@ def spectrum(facts: Fact) -> list[str]:
     spectra, responses = facts["spectra"]["means"], facts["spectra"]["responses"]
     if not spectra:
         return []
-    caption = "Left: mean of each band of the pictures."
+    caption = "Mean of each picture in each band."
     if responses:
-        caption += " Right: response at each wavelength, from 0 to 1."
+        caption = (
+            "Left axis: mean of each picture in each band. Right axis: response at each "
+            "wavelength, from 0 to 1."
+        )
     caption += html.of_many(len(spectra), "spectra")
     drawn = html.drawn(spectra_png(spectra, responses), caption, "mean spectra and responses")
     return [html.heading(2, "Spectrum"), drawn, _table(spectra)]

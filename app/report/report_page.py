@@ -267,8 +267,8 @@ def _nodes(facts: dict[str, Any]) -> list[str]:
     words = (
         "Parameters that are not listed have their defaults. A node that only multiplies the "
         "spectrum takes no time of its own: its factor is applied in the node that computes the "
-        f"picture. Input pictures {seconds['sources']:.3f} s, evaluation "
-        f"{seconds['evaluation']:.3f} s, {seconds['total']:.3f} s in all before this report."
+        f"picture. Reading the input pictures took {seconds['sources']:.3f} s and the evaluation "
+        f"{seconds['evaluation']:.3f} s; the run took {seconds['total']:.3f} s before this report."
     )
     heads = ("node", "module", "set", "", "time")
     return [

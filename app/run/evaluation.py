@@ -231,8 +231,8 @@ def way_in_words(facts: dict[str, Any]) -> str:
         return f"in memory: pictures of {largest} take up to {needed}; the limit is {allowed}"
     return (
         f"in blocks: pictures of {largest} would take up to {needed} in memory, but the limit is "
-        f"{allowed}; up to {amount_text(facts['scratch_bytes'])} were on disk in "
-        f"{several(facts['scratch_arrays'], 'array')}, transformed by rows and columns"
+        f"{allowed}; {several(facts['scratch_arrays'], 'temporary array')} took up to "
+        f"{amount_text(facts['scratch_bytes'])} on disk"
     )
 
 

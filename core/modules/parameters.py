@@ -322,9 +322,11 @@ def checked(
     except Exception as error:  # a fault of the method alone: network and other checks are sound
         fault = plug_in_error(error, node)
         what = fault.message if fault else with_place(error)
-        remedy = "not in the network; the condition was not checked"
-        whose = "an error in the module's package" if fault else "an error in this program"
-        result = Caution(f"the check {check!r} failed ({what})", f"{whose}, {remedy}")
+        whose = "the module's package" if fault else "Imagechain"
+        result = Caution(
+            f"the check {check!r} failed ({what}), so its warning may be missing",
+            f"the error is in {whose}, not in the network: report it to the authors",
+        )
     if isinstance(result, Recipe):
         return PendingCheck(node, check, result)
     return None if result is None else result.at(node, check)

@@ -265,7 +265,7 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
 
     @warning
     def unused(self, given: frozenset[str]) -> Caution | None:
-        """A number or file is entered that the model does not use."""
+        """The model does not use a number or file that is entered."""
         if self.model in _TABLES and self.air_K is not None:
             return Caution(
                 f"air_K = {self.air_K:g} K is not used: {_TABLES[self.model]} the path radiance",

@@ -174,7 +174,9 @@ class FullScreen(QObject):
         if self.page is not None:
             self.leave()
         elif not seen:
-            self._session.message.emit("note", "no viewer is open to show in full screen")
+            self._session.message.emit(
+                "note", "no viewer is open: open one to show it in full screen"
+            )
         else:
             self._dock = dock = next((dock for dock in seen if _holds(dock, focus)), seen[0])
             self.page = page = dock.widget()

@@ -324,7 +324,7 @@ def perceived_share(
     if power.ndim != 2:
         raise ParameterError("spectrum.shape", power.shape, "two-dimensional")
     if not power.sum() > 0.0:
-        raise ParameterError("the sum of spectrum", power.sum(), "above 0")
+        raise ParameterError("spectrum.sum()", float(power.sum()), "above 0")
     rows, columns = power.shape
     # A white spectrum is one cell: cut finely enough for the channel's logarithm.
     finer_x, finer_y = max(1, 256 // columns), max(1, 64 // rows)

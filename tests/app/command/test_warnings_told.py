@@ -57,7 +57,7 @@ def test_run_tells_on_the_terminal_in_the_readouts_and_in_reports(lwir, works, t
     assert fact["node"] == "electronics"
     assert fact["check"] == "band"
     remedy = fact["remedy"]
-    assert BAND == f"{fact['node']}: {fact['message']}. {remedy[0].upper()}{remedy[1:]}"
+    assert f"{fact['node']}: {fact['message']}. {remedy[0].upper()}{remedy[1:]}" == BAND
     page = unescape((tmp_path / "r.html").read_text())
     box = re.search(r'<ul class="warnings">.*?</ul>', page, re.S)
     assert box is not None
