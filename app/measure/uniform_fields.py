@@ -64,7 +64,7 @@ _LEVEL_HEAD = ("file", "frames", "mean (DN)", "temporal σ² (DN²)", "fixed σ�
 
 
 def _transfer_rows(curve: PhotonTransfer) -> list[Row]:
-    emva, ratio = curve.emva, None
+    ratio = None
     if curve.full_well_e and curve.read_noise_e:
         ratio = curve.full_well_e / curve.read_noise_e
     return [
@@ -80,19 +80,19 @@ def _transfer_rows(curve: PhotonTransfer) -> list[Row]:
         ("dsnu_e", curve.dsnu_e, "e-", "fixed-pattern noise in the dark"),
         ("prnu_percent", curve.prnu_percent, "%", "fixed-pattern noise proportional to the signal"),
         # Where EMVA 1288 defines a figure otherwise, or has one more.
-        ("system_gain_dn_per_e", emva.system_gain_dn_per_e, "DN/e-", "K of EMVA 1288: 1/gain"),
-        ("saturation_capacity_e", emva.saturation_capacity_e, "e-",
+        ("system_gain_dn_per_e", curve.system_gain_dn_per_e, "DN/e-", "K of EMVA 1288: 1/gain"),
+        ("saturation_capacity_e", curve.saturation_capacity_e, "e-",
          "µe.sat of EMVA 1288: level with the largest temporal variance"),
-        ("sensitivity_threshold_e", emva.sensitivity_threshold_e, "e-",
+        ("sensitivity_threshold_e", curve.sensitivity_threshold_e, "e-",
          "µe.min of EMVA 1288: signal at SNR 1"),
-        ("emva_dynamic_range_dB", _decibels(emva.dynamic_range), "dB", "µe.sat divided by µe.min"),
-        ("snr_max_dB", _decibels(emva.snr_max), "dB", "√µe.sat"),
-        ("dsnu_row_e", emva.dsnu_row_e, "e-", "row component of DSNU"),
-        ("dsnu_column_e", emva.dsnu_column_e, "e-", "column component of DSNU"),
-        ("dsnu_pixel_e", emva.dsnu_pixel_e, "e-", "pixel component of DSNU"),
-        ("prnu_row_percent", emva.prnu_row_percent, "%", "row component of PRNU"),
-        ("prnu_column_percent", emva.prnu_column_percent, "%", "column component of PRNU"),
-        ("prnu_pixel_percent", emva.prnu_pixel_percent, "%", "pixel component of PRNU"),
+        ("emva_dynamic_range_dB", _decibels(curve.dynamic_range), "dB", "µe.sat divided by µe.min"),
+        ("snr_max_dB", _decibels(curve.snr_max), "dB", "√µe.sat"),
+        ("dsnu_row_e", curve.dsnu_row_e, "e-", "row component of DSNU"),
+        ("dsnu_column_e", curve.dsnu_column_e, "e-", "column component of DSNU"),
+        ("dsnu_pixel_e", curve.dsnu_pixel_e, "e-", "pixel component of DSNU"),
+        ("prnu_row_percent", curve.prnu_row_percent, "%", "row component of PRNU"),
+        ("prnu_column_percent", curve.prnu_column_percent, "%", "column component of PRNU"),
+        ("prnu_pixel_percent", curve.prnu_pixel_percent, "%", "pixel component of PRNU"),
     ]  # fmt: skip
 
 

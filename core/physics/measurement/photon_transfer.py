@@ -235,35 +235,9 @@ _PATTERNS = tuple(
 _LEAST_DARK = 0.24  # steps², below which rounding hides the dark noise (the standard)
 
 
-@dataclass(frozen=True)
-class EmvaFigures:
-    """What the standard calls by these names; None of what the flat fields do not show."""
-
-    system_gain_dn_per_e: float  # K, digital numbers of an electron
-    # electrons at the level whose temporal variance is the largest (µe.sat); None where no level
-    # beyond it is saturated
-    saturation_capacity_e: float | None
-    # electrons of light at which SNR is 1 (µe.min): the dark noise, rounding included, and ½
-    sensitivity_threshold_e: float | None
-    snr_max: float | None  # root of the saturation capacity
-    dynamic_range: float | None  # saturation capacity over sensitivity threshold
-    # parts of DSNU that differ by row, by column, and by neither
-    dsnu_row_e: float | None
-    dsnu_column_e: float | None
-    dsnu_pixel_e: float | None
-    # the same of PRNU
-    prnu_row_percent: float | None
-    prnu_column_percent: float | None
-    prnu_pixel_percent: float | None
-
-
 def _emva_figures(
-    levels: Sequence[FlatField],
-    dark: FlatField | None,
-    gain: float,
-    zero: float | None,
-    patterns: Sequence[float | None],
-) -> EmvaFigures:
+    levels: Sequence[FlatField], dark: FlatField | None, gain: float, zero: float | None
+) -> tuple[float | None, ...]:
     """The standard's figures; without a `zero` where no level is saturated."""
     capacity = threshold = most = ratio = None
     if zero is not None:
@@ -274,7 +248,7 @@ def _emva_figures(
         least = _LEAST_DARK * dark.step_dn**2
         threshold = gain * math.sqrt(max(dark.temporal_dn2, least)) + 0.5
         ratio = capacity / threshold if capacity is not None and capacity > 0.0 else None
-    return EmvaFigures(1.0 / gain, capacity, threshold, most, ratio, *patterns)
+    return capacity, threshold, most, ratio
 
 
 def _prnu_percent(
@@ -322,7 +296,23 @@ class PhotonTransfer:
     saturated: tuple[bool, ...]
     # whether the dark frames end at the converter's zero, so that they count for nothing
     dark_cut_off: bool
-    emva: EmvaFigures  # what EMVA 1288 defines otherwise, or beside these
+    # What EMVA 1288 defines otherwise, or beside these.
+    system_gain_dn_per_e: float  # K, digital numbers of an electron
+    # electrons at the level whose temporal variance is the largest (µe.sat); None where no level
+    # beyond it is saturated
+    saturation_capacity_e: float | None
+    # electrons of light at which SNR is 1 (µe.min): the dark noise, rounding included, and ½
+    sensitivity_threshold_e: float | None
+    snr_max: float | None  # root of the saturation capacity
+    dynamic_range: float | None  # saturation capacity over sensitivity threshold
+    # parts of DSNU that differ by row, by column, and by neither
+    dsnu_row_e: float | None
+    dsnu_column_e: float | None
+    dsnu_pixel_e: float | None
+    # the same of PRNU
+    prnu_row_percent: float | None
+    prnu_column_percent: float | None
+    prnu_pixel_percent: float | None
 
 
 def photon_transfer(
@@ -403,7 +393,10 @@ def photon_transfer(
         tuple(map(bool, used)),
         tuple(map(bool, saturated)),
         cut_off,
-        _emva_figures(levels, dark, gain, saturated_zero, [*dsnu[1:], *prnu[1:]]),
+        1.0 / gain,
+        *_emva_figures(levels, dark, gain, saturated_zero),
+        *dsnu[1:],
+        *prnu[1:],
     )
 
 

@@ -153,7 +153,7 @@ def test_rounding_is_taken_off_by_the_converters_step(apart):
     assert dark.step_dn == apart
     assert made.gain_e_per_dn == pytest.approx(2.6 / apart, rel=0.01)
     assert made.read_noise_e == pytest.approx(2.3, rel=0.015)
-    assert made.emva.sensitivity_threshold_e == pytest.approx(
+    assert made.sensitivity_threshold_e == pytest.approx(
         np.sqrt(2.3**2 + 2.6**2 / 12) + 0.5, rel=0.015
     )
 
@@ -258,7 +258,7 @@ def expected(parts):
 
 def test_patterns_part_into_rows_columns_and_pixels(curve_of_emva_figures):
     """Shot noise of 12 frames leaves 0.02 % of PRNU in a row's mean: 1 % of the rows' 0.2 %."""
-    emva = curve_of_emva_figures.emva
+    emva = curve_of_emva_figures
     dsnu = (emva.dsnu_row_e, emva.dsnu_column_e, emva.dsnu_pixel_e)
     prnu = (emva.prnu_row_percent, emva.prnu_column_percent, emva.prnu_pixel_percent)
     assert dsnu == pytest.approx(expected(DSNU), rel=0.02)
@@ -276,12 +276,10 @@ def test_the_split_is_that_of_the_standard(stacks):
 
 def test_saturation_capacity_is_the_level_of_the_largest_variance(curve_of_emva_figures):
     """0.96 of the range: 21 deviations below its end, where the next level is cut off."""
-    assert curve_of_emva_figures.emva.saturation_capacity_e == pytest.approx(
-        0.96 * FULL_E, rel=0.01
-    )
-    assert curve_of_emva_figures.emva.snr_max == pytest.approx(math.sqrt(0.96 * FULL_E), rel=0.005)
+    assert curve_of_emva_figures.saturation_capacity_e == pytest.approx(0.96 * FULL_E, rel=0.01)
+    assert curve_of_emva_figures.snr_max == pytest.approx(math.sqrt(0.96 * FULL_E), rel=0.005)
     assert curve_of_emva_figures.full_well_e == pytest.approx(FULL_E, rel=0.01)
-    assert curve_of_emva_figures.emva.system_gain_dn_per_e == pytest.approx(1 / GAIN, rel=0.01)
+    assert curve_of_emva_figures.system_gain_dn_per_e == pytest.approx(1 / GAIN, rel=0.01)
 
 
 def test_at_the_sensitivity_threshold_snr_is_one(curve_of_emva_figures):
@@ -289,10 +287,10 @@ def test_at_the_sensitivity_threshold_snr_is_one(curve_of_emva_figures):
     dark = READ_E**2 + GAIN**2 / 12
     exact = 0.5 + math.sqrt(0.25 + dark)
     left_out = 0.125 / math.sqrt(dark)
-    threshold = curve_of_emva_figures.emva.sensitivity_threshold_e
+    threshold = curve_of_emva_figures.sensitivity_threshold_e
     assert exact - threshold == pytest.approx(left_out, abs=0.005 * exact)
-    assert curve_of_emva_figures.emva.dynamic_range == pytest.approx(
-        curve_of_emva_figures.emva.saturation_capacity_e / threshold
+    assert curve_of_emva_figures.dynamic_range == pytest.approx(
+        curve_of_emva_figures.saturation_capacity_e / threshold
     )
 
 
@@ -303,14 +301,14 @@ def test_a_dark_that_rounding_hides_counts_as_the_standard_has_it():
            enumerate((50, 200, 500))]  # fmt: skip
     found = photon_transfer(levels=[measured(frames) for frames in lit], dark=measured(dark))
     least = math.sqrt(0.24) * found.gain_e_per_dn + 0.5
-    assert found.emva.sensitivity_threshold_e == pytest.approx(least, rel=1e-12)
-    assert found.emva.saturation_capacity_e is None
-    assert found.emva.dynamic_range is None
+    assert found.sensitivity_threshold_e == pytest.approx(least, rel=1e-12)
+    assert found.saturation_capacity_e is None
+    assert found.dynamic_range is None
 
 
 def test_without_dark_frames_what_needs_none_is_there(stacks):
     _, lit = stacks
-    found = photon_transfer(levels=[measured(frames) for frames in lit], offset_dn=OFFSET).emva
+    found = photon_transfer(levels=[measured(frames) for frames in lit], offset_dn=OFFSET)
     assert found.snr_max is not None
     assert (found.sensitivity_threshold_e, found.dynamic_range) == (None, None)
     assert (found.dsnu_row_e, found.prnu_row_percent) == (None, None)
