@@ -92,7 +92,7 @@ def _groups(emissivity: Emissivity) -> list[tuple[CoarseSpectrum, list[int]]]:
     for place, (_, grey, material) in enumerate(SURFACES.values()):
         spectrum = materials()[material]
         if emissivity == "grey":
-            spectrum = CoarseSpectrum(((1.0, 1.0 - grey),))
+            spectrum = ((1.0, 1.0 - grey),)
         groups.setdefault(spectrum, []).append(place)
     return list(groups.items())
 
@@ -103,7 +103,7 @@ def materials() -> Mapping[str, CoarseSpectrum]:
     rows = (line.split(",") for line in path.read_text("utf-8").splitlines() if line[0] != "#")
     pairs = {name: [point.split() for point in points] for name, *points in rows}
     return {
-        name: CoarseSpectrum(tuple((float(um), float(percent) / 100.0) for um, percent in of))
+        name: tuple((float(um), float(percent) / 100.0) for um, percent in of)
         for name, of in pairs.items()
     }
 

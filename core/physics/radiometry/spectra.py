@@ -130,23 +130,8 @@ def white_surface_radiance(
 # Spectra given at a few wavelengths, straight between them, and their means over a band.
 
 
-@dataclass(frozen=True)
-class CoarseSpectrum:
-    """A quantity at a few ascending wavelengths, µm: straight between, constant beyond the ends."""
-
-    points: tuple[tuple[float, float], ...]
-
-    def __post_init__(self) -> None:
-        wavelengths = [wavelength for wavelength, _ in self.points]
-        if not wavelengths or not np.all(np.diff(wavelengths) > 0.0):
-            raise ParameterError(
-                "points", wavelengths, "one or more wavelengths, in ascending order"
-            )
-
-    def at(self, wavelength_um: ArrayLike) -> Floats:
-        """Values at wavelengths [µm]."""
-        wavelengths, values = np.array(self.points).T
-        return np.asarray(np.interp(np.asarray(wavelength_um, float), wavelengths, values))
+CoarseSpectrum = tuple[tuple[float, float], ...]
+"""A quantity at a few ascending wavelengths, µm: straight between, constant beyond the ends."""
 
 
 def mean_by_planck(
@@ -158,7 +143,7 @@ def mean_by_planck(
     the light that a surface of that emissivity gives, however wide the band is. Of the shape
     (temperatures,); the plain mean where a black body gives no light that a number can hold.
     """
-    points = {wavelength for spectrum in spectra for wavelength, _ in spectrum.points}
+    points = {wavelength for spectrum in spectra for wavelength, _ in spectrum}
     inside = sorted(point for point in points if cut_on_um < point < cut_off_um)
     ends = np.array([cut_on_um, *inside, cut_off_um])
     middle, half = (ends[1:] + ends[:-1]) / 2.0, np.diff(ends) / 2.0
@@ -168,7 +153,7 @@ def mean_by_planck(
     kelvins = np.atleast_1d(np.asarray(temperature_K, float))
     light = widths * spectral_radiance(places, kelvins[:, None])
     light[~(light.sum(axis=1) > 0.0)] = widths
-    values = np.prod([spectrum.at(places) for spectrum in spectra], axis=0)
+    values = np.prod([np.interp(places, *np.array(spectrum).T) for spectrum in spectra], axis=0)
     return np.asarray((light @ values) / light.sum(axis=1))
 
 

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from core.errors import ParameterError
-from core.physics.radiometry.spectra import CoarseSpectrum, mean_by_planck, white_surface_radiance
+from core.physics.radiometry.spectra import mean_by_planck, white_surface_radiance
 
-EDGE = CoarseSpectrum(((0.5, 0.1), (0.67, 0.04), (0.75, 0.45), (0.9, 0.5), (3.0, 0.02)))
+EDGE = ((0.5, 0.1), (0.67, 0.04), (0.75, 0.45), (0.9, 0.5), (3.0, 0.02))
 
 
 def planck(wavelength_um, kelvin):
@@ -38,10 +38,10 @@ def test_no_sun_on_the_horizon_and_none_below():
 @pytest.mark.parametrize(("low", "high"), [(0.4, 0.8), (0.68, 0.7), (0.6, 2.5), (3.1, 3.2)])
 @pytest.mark.parametrize("kelvin", [800, 5800])
 def test_mean_by_a_black_bodys_light(low, high, kelvin):
-    knots = [low, *(w for w, _ in EDGE.points if low < w < high), high]
+    knots = [low, *(w for w, _ in EDGE if low < w < high), high]
 
     def value(wavelength):
-        return float(np.interp(float(wavelength), *zip(*EDGE.points, strict=True)))
+        return float(np.interp(float(wavelength), *zip(*EDGE, strict=True)))
 
     light = mpmath.quad(lambda w: planck(w, kelvin), knots)
     exact = mpmath.quad(lambda w: value(w) * planck(w, kelvin), knots) / light
