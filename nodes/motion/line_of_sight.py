@@ -1,6 +1,7 @@
 """Line of Sight: random motion of the sensor, within exposures and between them."""
 
 import math
+from collections.abc import Callable
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -14,7 +15,6 @@ from core.modules.declaration import Caution, Formula, NodeContext, Section, par
 from core.physics.sampling.platform_motion import (
     WAVES,
     MotionSpectrum,
-    MotionWaves,
     between_exposures_mrad,
     exposure_mtf,
     motion_waves,
@@ -164,7 +164,7 @@ def _bound(transfer: Transfer, axis: str) -> dict[str, Any]:
 
 
 @lru_cache(maxsize=32)
-def _waves(spectrum: MotionSpectrum, exposure_s: float, stream: Stream) -> MotionWaves:
+def _waves(spectrum: MotionSpectrum, exposure_s: float, stream: Stream) -> Callable[[float], float]:
     uniform = uniform_field(stream, (3, WAVES))
     return motion_waves(spectrum=spectrum, exposure_s=exposure_s, uniform=uniform)
 
@@ -172,7 +172,7 @@ def _waves(spectrum: MotionSpectrum, exposure_s: float, stream: Stream) -> Motio
 def shift_of_frame_mrad(
     spectrum: MotionSpectrum, exposure_s: float, stream: Stream, number: FrameNumber, frame_s: float
 ) -> float:
-    return _waves(spectrum, exposure_s, stream).centroid_mrad(time_s=number.frame * frame_s)
+    return _waves(spectrum, exposure_s, stream)(number.frame * frame_s)
 
 
 def frame_shift(*, frequency: NDArray[Any], **how: Any) -> NDArray[np.float64]:

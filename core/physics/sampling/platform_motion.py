@@ -2,6 +2,7 @@
 
 import math
 import sys
+from collections.abc import Callable
 from functools import lru_cache
 from typing import Any
 
@@ -445,23 +446,12 @@ def exposure_mtf(
     return np.asarray(total / math.fsum(weights))
 
 
-@dataclass(frozen=True, eq=False)
-class MotionWaves:
-    """Waves that make one motion: its centroids at any time; in Hz, mrad and turns."""
-
-    frequencies: Vector
-    amplitudes: Vector
-    phases: Vector
-
-    def centroid_mrad(self, *, time_s: float) -> float:
-        """Centroid of the exposure about a time."""
-        turns = self.frequencies * finite("time_s", time_s, unit="s") + self.phases
-        turns -= np.floor(turns)
-        return float(np.sum(self.amplitudes * np.cos(2.0 * np.pi * turns)))
-
-
-def motion_waves(*, spectrum: MotionSpectrum, exposure_s: float, uniform: Any) -> MotionWaves:
+def motion_waves(
+    *, spectrum: MotionSpectrum, exposure_s: float, uniform: Any
+) -> Callable[[float], float]:
     """Draw a motion, as its centroids over exposures, by uniform deviates of shape (3, n).
+
+    What it gives is the centroid in mrad of the exposure about a time in s.
 
     Best n is `WAVES`. A wave in each of n parts of the spectrum of equal ratio has a frequency
     within its part, an amplitude of Rayleigh's distribution and a phase. Over all draws the
@@ -477,4 +467,10 @@ def motion_waves(*, spectrum: MotionSpectrum, exposure_s: float, uniform: Any) -
     # A draw that is uniform in the logarithm stands for S·f·span/n of the variance.
     variance = spectrum.density(frequency) * frequency * span / len(place)
     amplitude = np.sqrt(-2.0 * np.log1p(-level) * variance) * np.sinc(frequency * exposure)
-    return MotionWaves(frequency, amplitude, phase)
+
+    def centroid_mrad(time_s: float) -> float:
+        turns = frequency * finite("time_s", time_s, unit="s") + phase
+        turns -= np.floor(turns)
+        return float(np.sum(amplitude * np.cos(2.0 * np.pi * turns)))
+
+    return centroid_mrad
