@@ -101,10 +101,6 @@ class Moments:
     column_mean: float
     frame_mean: float
 
-    def scaled(self, factor: float) -> "Moments":
-        """All variances times a factor."""
-        return Moments(*(factor * getattr(self, field.name) for field in fields(self)))
-
 
 def components_of_moments(
     *, moments: Moments, rows: int, columns: int, temporal: bool
