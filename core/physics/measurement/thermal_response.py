@@ -9,7 +9,7 @@ response as Planck's law at one wavelength.
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -190,21 +190,21 @@ class _Law:
 
     @classmethod
     def fitted(cls, kelvin: Vector, means: Vector, width: float | None = None) -> "_Law":
-        columns = [np.ones_like(kelvin), _shape(kelvin, width, kelvin)]
+        columns = [np.ones_like(kelvin), _shape(kelvin, width, kelvin)[0]]
         level, rise = np.linalg.pinv(np.stack(columns, axis=1)) @ means
         if width is not None:
-            columns.append(rise * _by_width(kelvin, width, kelvin, _shape))
+            columns.append(rise * _by_width(kelvin, width, kelvin)[0])
         effect = np.linalg.pinv(np.stack(columns, axis=1))
         return cls(kelvin, float(level), float(rise), width, effect)
 
     def at(self, kelvin: Vector) -> Vector:
-        return self.level + self.rise * _shape(kelvin, self.width_K, self.kelvin)
+        return self.level + self.rise * _shape(kelvin, self.width_K, self.kelvin)[0]
 
     def slopes(self, at: Vector, variance: Vector) -> tuple[Vector, Vector]:
-        steep = _steepness(at, self.width_K, self.kelvin)
+        steep = _shape(at, self.width_K, self.kelvin)[1]
         columns = [np.zeros_like(at), steep]
         if self.width_K is not None:
-            columns.append(self.rise * _by_width(at, self.width_K, self.kelvin, _steepness))
+            columns.append(self.rise * _by_width(at, self.width_K, self.kelvin)[1])
         by_mean = np.stack(columns, axis=1) @ self.effect
         return self.rise * steep, np.sqrt(by_mean**2 @ variance)
 
@@ -215,23 +215,18 @@ class _Law:
         return wavelength, wavelength * math.sqrt(float(self.effect[2] ** 2 @ variance))
 
 
-def _shape(kelvin: Vector, width: float | None, about: Vector) -> Vector:
-    """Rises by about 1 over the temperatures: (T − T₀)/ΔT, or Planck's law with 0 at T₀."""
+def _shape(kelvin: Vector, width: float | None, about: Vector) -> tuple[Vector, Vector]:
+    """Rises by about 1 over the temperatures: (T − T₀)/ΔT, or Planck's law with 0 at T₀.
+
+    With its slope.
+    """
     centre, span = float(about.mean()), float(np.ptp(about))
     if width is None:
-        return (kelvin - centre) / span
-    whole = np.expm1(width / centre)
+        return (kelvin - centre) / span, np.full_like(kelvin, 1.0 / span)
+    risen = np.expm1(width / centre) / np.expm1(width / kelvin)
     scale = _planck_slope(np.array(centre), width) * span
-    return np.asarray((whole / np.expm1(width / kelvin) - 1.0) / scale)
-
-
-def _steepness(kelvin: Vector, width: float | None, about: Vector) -> Vector:
-    centre, span = float(about.mean()), float(np.ptp(about))
-    if width is None:
-        return np.full_like(kelvin, 1.0 / span)
-    whole = np.expm1(width / centre)
-    scale = _planck_slope(np.array(centre), width) * span
-    return np.asarray(whole / np.expm1(width / kelvin) * _planck_slope(kelvin, width) / scale)
+    slope = risen * _planck_slope(kelvin, width) / scale
+    return np.asarray((risen - 1.0) / scale), np.asarray(slope)
 
 
 def _planck_slope(kelvin: Vector, width: float) -> Vector:
@@ -239,16 +234,15 @@ def _planck_slope(kelvin: Vector, width: float) -> Vector:
     return np.asarray(width / kelvin**2 / -np.expm1(-width / kelvin))
 
 
-def _by_width(
-    kelvin: Vector, width: float, about: Vector, of: Callable[[Vector, float, Vector], Vector]
-) -> Vector:
+def _by_width(kelvin: Vector, width: float, about: Vector) -> NDArray[np.float64]:
+    """What both change by with the logarithm of the width."""
     step = 1e-4
-    up, down = (of(kelvin, width * math.exp(sign * step), about) for sign in (1, -1))
-    return (up - down) / (2.0 * step)
+    up, down = (np.stack(_shape(kelvin, width * math.exp(sign * step), about)) for sign in (1, -1))
+    return np.asarray((up - down) / (2.0 * step))
 
 
 def _left(kelvin: Vector, means: Vector, width: float) -> float:
-    design = np.stack([np.ones_like(kelvin), _shape(kelvin, width, kelvin)], axis=1)
+    design = np.stack([np.ones_like(kelvin), _shape(kelvin, width, kelvin)[0]], axis=1)
     return float(np.sum((means - design @ (np.linalg.pinv(design) @ means)) ** 2))
 
 
