@@ -172,7 +172,7 @@ def laid_out(
     places, frames = _places(network, sizes, tuple(network.nodes), order, members, room)
     back = layout.way_back(network, places)
     places = {name: layout.shifted(at, back) for name, at in places.items()}
-    frames = {index: _shifted_box(box, back) for index, box in frames.items()}
+    frames = {index: layout.shifted_box(box, back) for index, box in frames.items()}
     steps: list[Operation] = [operations.move_nodes(places)]
     for index in reversed(order):
         points = {name: places[name] for name in members[index]}
@@ -226,7 +226,7 @@ def _places(
         x, y = outside[_key(index)]
         way = x - frames[index][0], y - frames[index][1]
         places |= {name: layout.shifted(at, way) for name, at in points.items()}
-        boxes |= {other: _shifted_box(box, way) for other, box in frames.items()}
+        boxes |= {other: layout.shifted_box(box, way) for other, box in frames.items()}
     return places, boxes
 
 
@@ -242,10 +242,6 @@ def _followers(network: Network, unit_of: Mapping[str, str]) -> dict[str, tuple[
 def _round(boxes: Iterable[Box]) -> Box:
     left, top, right, bottom = layout.hull(boxes)
     return left - MARGIN, top - MARGIN - HEAD, right + MARGIN, bottom + MARGIN
-
-
-def _shifted_box(box: Box, by: Point) -> Box:
-    return (*layout.shifted(box[:2], by), *layout.shifted(box[2:], by))
 
 
 def _key(index: int) -> str:

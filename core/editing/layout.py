@@ -45,6 +45,10 @@ def shifted(at: Point, by: Point) -> Point:
     return at[0] + by[0], at[1] + by[1]
 
 
+def shifted_box(box: Box, by: Point) -> Box:
+    return (*shifted(box[:2], by), *shifted(box[2:], by))
+
+
 def is_in_reach(*numbers: float) -> bool:
     """Whether places and sizes lie on the canvas; NaN and infinity do not."""
     return all(-FARTHEST <= number <= FARTHEST for number in numbers)
@@ -263,7 +267,7 @@ def aligned(network: Network, names: Collection[str], sizes: Sizes, edge: Edge) 
         name: at[axis] + (size_of(name, sizes)[axis] if far else 0.0) for name, at in points.items()
     }
     line = max(ends.values()) if far else min(ends.values())
-    return {name: _along(at, axis, line - ends[name]) for name, at in points.items()}
+    return {name: shifted(at, _way(axis, line - ends[name])) for name, at in points.items()}
 
 
 def distributed(
@@ -281,13 +285,13 @@ def distributed(
     gap = (end - start - sum(extents)) / (len(order) - 1)
     places = {}
     for name, extent in zip(order, extents, strict=True):
-        places[name] = _along(points[name], axis, start - points[name][axis])
+        places[name] = shifted(points[name], _way(axis, start - points[name][axis]))
         start += extent + gap
     return places
 
 
-def _along(at: Point, axis: int, by: float) -> Point:
-    return shifted(at, (by, 0.0) if axis == 0 else (0.0, by))
+def _way(axis: int, by: float) -> Point:
+    return (by, 0.0) if axis == 0 else (0.0, by)
 
 
 # Free places for new nodes, and neighbours pushed aside by one put in.
@@ -307,14 +311,15 @@ def free_places(
             way = 0.0
             for _ in there:  # each time past one of them
                 # Of a gap only nearly all counts: rounding would have it end nowhere.
-                met = [b for b in there if _meet(_box_along(new, axis, way), b, 0.999)]
+                here = shifted_box(new, _way(axis, way))
+                met = [box for box in there if _meet(here, box, 0.999)]
                 if far and met:
                     way = min(box[axis + 2] for box in met) + gap - new[axis]
                 elif met:
                     way = max(box[axis] for box in met) - gap - new[axis + 2]
             ways.append((abs(way), axis, way))
     _, axis, way = min(ways)
-    return {name: _along(at, axis, way) for name, at in points.items()}
+    return {name: shifted(at, _way(axis, way)) for name, at in points.items()}
 
 
 def made_way(
@@ -332,7 +337,7 @@ def made_way(
         for name, other in others.items()
         if name not in behind and other[0] + other[2] < box[0] + box[2] and _meet(box, other)
     ]:
-        box = _box_along(box, 0, max(left) + GAP_X - box[0])
+        box = shifted_box(box, (max(left) + GAP_X - box[0], 0.0))
     pushed = {node: box}
     rest = [node]
     while rest:
@@ -343,15 +348,9 @@ def made_way(
             goes = name in pushed or name in behind or now[2] > by[0]
             way = by[2] + GAP_X - now[0]
             if name != pushing and goes and way > 0 and _meet(by, now):
-                pushed[name] = _box_along(now, 0, way)
+                pushed[name] = shifted_box(now, (way, 0.0))
                 rest.append(name)
     return {name: (b[0], b[1]) for name, b in pushed.items() if network.layout.get(name) != b[:2]}
-
-
-def _box_along(box: Box, axis: int, by: float) -> Box:
-    left, top = _along(box[:2], axis, by)
-    right, bottom = _along(box[2:], axis, by)
-    return left, top, right, bottom
 
 
 def _meet(one: Box, other: Box, share: float = 0.5) -> bool:
