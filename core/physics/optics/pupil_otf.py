@@ -72,19 +72,21 @@ def strip_sum_area(*, pupil: StripPupil, lag_x: Floats, lag_y: Floats) -> Floats
     """
     half, bars = pupil.strips[0].high, pupil.symmetric
     square = lag_x * lag_x + lag_y * lag_y
-    rings = Rings.of(pupil, square)
-    area = rings.area()
+    rings = _rings(pupil, square)
+    area = rings[0].area()
+    for ring, count in zip(rings[1:], (-2.0, 1.0), strict=False):
+        area += count * ring.area()
     twice = 2.0 if bars else 1.0  # the other vane's half is the same vane's for the opposite lag
     seen = [_components(strip, lag_x, lag_y) for strip in pupil.strips]
     for across, along in seen:
         n, t = np.abs(across), np.abs(along)
-        area -= twice * rings.in_band(Band.at_rest(n, t, square, half))
+        area -= twice * _in_band(rings, Band.at_rest(n, t, square, half))
         near = _where(n < 2.0 * half, area.shape)
         if near is not None:
             n, t, apart = (_taken(coordinate, near) for coordinate in (n, t, square))
             common = Band.common(n, t, apart, half)
-            some = rings.chosen(near)
-            area[near] += some.in_band(common) if bars else _beyond_hole(some, common, pupil)
+            some = [ring.chosen(near) for ring in rings]
+            area[near] += _in_band(some, common) if bars else _beyond_hole(some, common, pupil)
     for crossing in _crossings(pupil):
         first, second = (seen[index][0] for index in crossing.pair)
         part, cut = crossing.overlap((second, first), same_side=not bars)
@@ -123,55 +125,35 @@ def _components(strip: Strip, x: Floats, y: Floats) -> tuple[Floats, Floats]:
     return strip.across(x, y), strip.along(x, y)
 
 
-@dataclass(frozen=True)
-class Rings:
-    """Annulus and moved annulus: the lens of outer discs, less two mixed ones, plus the inner."""
+Rings = list[Lens]
+"""Annulus and moved annulus: the lens of outer discs, less two mixed ones, plus the inner."""
 
-    outer: Lens
-    mixed: Lens | None
-    inner: Lens | None
 
-    @classmethod
-    def of(cls, pupil: StripPupil, square: Floats) -> "Rings":
-        """Lenses that some of the lags have."""
-        radius, hole = pupil.radius, pupil.inner_radius
-        nearest = math.sqrt(square.min())
-        mixed = hole > 0.0 and nearest < radius + hole
-        both = hole > 0.0 and nearest < 2.0 * hole
-        return cls(
-            lens(fixed=radius, moved=radius, square=square),
-            lens(fixed=radius, moved=hole, square=square) if mixed else None,
-            lens(fixed=hole, moved=hole, square=square) if both else None,
-        )
+def _rings(pupil: StripPupil, square: Floats) -> Rings:
+    """Lenses that some of the lags have."""
+    radius, hole = pupil.radius, pupil.inner_radius
+    nearest = math.sqrt(square.min())
+    rings = [lens(fixed=radius, moved=radius, square=square)]
+    if hole > 0.0 and nearest < radius + hole:
+        rings.append(lens(fixed=radius, moved=hole, square=square))
+    if hole > 0.0 and nearest < 2.0 * hole:
+        rings.append(lens(fixed=hole, moved=hole, square=square))
+    return rings
 
-    def chosen(self, points: Index) -> "Rings":
-        """At some of the lags."""
-        mixed = None if self.mixed is None else self.mixed.chosen(points)
-        inner = None if self.inner is None else self.inner.chosen(points)
-        return Rings(self.outer.chosen(points), mixed, inner)
 
-    def area(self) -> Floats:
-        """Overlap of the annuli."""
-        area = self.outer.area()
-        if self.mixed is not None:
-            area -= 2.0 * self.mixed.area()
-        if self.inner is not None:
-            area += self.inner.area()
-        return area
-
-    def in_band(self, band: Band) -> Floats:
-        """Overlap in a band that rests, or in one and its moved self: then mixed ones are alike."""
-        cut = Cut.of(band, self.outer.moved)
-        area = lens_in_band(self.outer, band, cut)
-        if self.mixed is not None:
-            small = Cut.of(band, self.mixed.moved)
-            mixed = lens_in_band(self.mixed, band, small)
-            area -= 2.0 * mixed if band.skew is None else mixed
-            if band.skew is not None:
-                area -= lens_in_band(self.mixed.turned(), band, cut)
-            if self.inner is not None:
-                area += lens_in_band(self.inner, band, small)
-        return area
+def _in_band(rings: Rings, band: Band) -> Floats:
+    """Overlap in a band that rests, or in one and its moved self: then mixed ones are alike."""
+    cut = Cut.of(band, rings[0].moved)
+    area = lens_in_band(rings[0], band, cut)
+    if len(rings) > 1:
+        small = Cut.of(band, rings[1].moved)
+        mixed = lens_in_band(rings[1], band, small)
+        area -= 2.0 * mixed if band.skew is None else mixed
+        if band.skew is not None:
+            area -= lens_in_band(rings[1].turned(), band, cut)
+    for inner in rings[2:]:
+        area += lens_in_band(inner, band, small)
+    return area
 
 
 def _beyond_hole(rings: Rings, band: Band, pupil: StripPupil) -> Floats:
@@ -179,9 +161,9 @@ def _beyond_hole(rings: Rings, band: Band, pupil: StripPupil) -> Floats:
     half, hole = band.high, pupil.inner_radius
     reach = float(half_chord(hole, half))
     between = band.slope - 2.0 * (half_segment(hole, half) - half_segment(hole, band.low))
-    if rings.inner is not None:
-        between = between + lens_in_band(rings.inner, band, Cut.of(band, hole))
-    area = rings.in_band(band) - np.where(band.along > 2.0 * reach, between, 0.0)
+    for inner in rings[2:]:
+        between = between + lens_in_band(inner, band, Cut.of(band, hole))
+    area = _in_band(rings, band) - np.where(band.along > 2.0 * reach, between, 0.0)
     return np.where(band.along < pupil.radius - reach, 0.5 * area, 0.0)
 
 
