@@ -1,7 +1,5 @@
 """Deviates of the noise modules: white ones, 1/f noise, and their seeds."""
 
-from collections.abc import Callable
-from functools import partial
 from typing import Any, Literal
 
 import numpy as np
@@ -37,10 +35,9 @@ def flicker_waves(
 
         def make(start: int, stratum: int = stratum, level: Array = level) -> None:
             part = slice(start, start + _AT_ONCE)
-            waves[stratum, 0, part] = flicker_noise.wave_frequency(
-                band=band, stratum=stratum, place=place[part]
+            waves[stratum, :2, part] = flicker_noise.flicker_waves(
+                band=band, stratum=stratum, place=place[part], level=level[part]
             )
-            waves[stratum, 1, part] = flicker_noise.wave_amplitude(level=level[part])
 
         work.for_each(make, range(0, place.size, _AT_ONCE))
     return waves
@@ -58,26 +55,27 @@ def flicker_deviates(
 ) -> Array:
     """1/f noise of variance 1 in a frame, of held waves or of the same ones drawn anew."""
     time_s, total = number.frame * frame_s, np.zeros(shape[0] * shape[1])
-    place = None if held else _uniform(work, stream, shape, "place")
+    place = () if held else (_uniform(work, stream, shape, "place"),)
     for stratum in range(band.strata):
         work.check()
-        if place is None:
-            frequency_hz, amplitude, phase = held[0][stratum]
-            fields = {"frequency_hz": frequency_hz, "amplitude": amplitude, "phase": phase}
-            wave: Callable[..., Array] = flicker_noise.wave_at
-        else:
-            level, phase = _level_and_phase(work, stream, shape, stratum)
-            fields = {"place": place, "level": level, "phase": phase}
-            wave = partial(flicker_noise.flicker_wave, band=band, stratum=stratum)
-        add = partial(_add, total, partial(wave, time_s=time_s), fields)
+        drawn = () if held else (*place, *_level_and_phase(work, stream, shape, stratum))
+
+        def add(start: int, stratum: int = stratum, drawn: tuple[Array, ...] = drawn) -> None:
+            part = slice(start, start + _AT_ONCE)
+            if held:
+                frequency, amplitude, phase = held[0][stratum][:, part]
+            else:
+                own, level, phase = (field[part] for field in drawn)
+                frequency, amplitude = flicker_noise.flicker_waves(
+                    band=band, stratum=stratum, place=own, level=level
+                )
+            total[part] += flicker_noise.wave_at(
+                time_s=time_s, frequency_hz=frequency, amplitude=amplitude, phase=phase
+            )
+
         work.for_each(add, range(0, total.size, _AT_ONCE))
     total /= band.strata**0.5
     return total.reshape(shape).astype(work.policy.dtype)
-
-
-def _add(total: Array, wave: Callable[..., Array], fields: dict[str, Array], start: int) -> None:
-    part = slice(start, start + _AT_ONCE)
-    total[part] += wave(**{name: field[part] for name, field in fields.items()})
 
 
 def _uniform(work: Work, stream: Stream, shape: tuple[int, int], field: str) -> Array:

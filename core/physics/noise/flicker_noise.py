@@ -75,32 +75,17 @@ def filtered_flicker(*, kept: float, band: FlickerBand) -> float:
     return float(np.sqrt(np.mean(power @ (weights / 2.0))))
 
 
-def flicker_wave(
-    *, band: FlickerBand, stratum: int, time_s: float, place: Array, level: Array, phase: Array
-) -> Array:
-    """One stratum's waves at a time, standard normal; all strata have the variance of their number.
+def flicker_waves(
+    *, band: FlickerBand, stratum: int, place: Array, level: Array
+) -> tuple[Array, Array]:
+    """Frequencies in Hz of one stratum's waves, and amplitudes, Rayleigh-distributed.
 
     Uniform deviates in [0, 1) of the samples, in double, tell where in its stratum the frequency
-    is, the amplitude and the phase; `place` may be the same for all strata. Stratum 0 is the
-    slowest.
+    is, and the amplitude; `place` may be the same for all strata. Stratum 0 is the slowest. With a
+    uniform phase each stratum is standard normal; all strata have the variance of their number.
     """
-    return wave_at(
-        time_s=time_s,
-        frequency_hz=wave_frequency(band=band, stratum=stratum, place=place),
-        amplitude=wave_amplitude(level=level),
-        phase=phase,
-    )
-
-
-def wave_frequency(*, band: FlickerBand, stratum: int, place: Array) -> Array:
-    """Frequencies in Hz of one stratum's waves, as `flicker_wave` has them."""
     ratio = (band.high_Hz / band.low_Hz) ** (1.0 / band.strata)
-    return np.asarray(band.low_Hz * ratio ** (stratum + place))
-
-
-def wave_amplitude(*, level: Array) -> Array:
-    """Amplitudes of waves, Rayleigh-distributed of mean square 2, as `flicker_wave` has them."""
-    return np.asarray(np.sqrt(-2.0 * np.log1p(-level)))
+    return np.asarray(band.low_Hz * ratio ** (stratum + place)), np.sqrt(-2.0 * np.log1p(-level))
 
 
 def wave_at(*, time_s: float, frequency_hz: Array, amplitude: Array, phase: Array) -> Array:

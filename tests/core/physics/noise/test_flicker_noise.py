@@ -10,10 +10,11 @@ from core.physics.noise.flicker_noise import (
     SMALL_MEAN,
     flicker_band,
     flicker_sigma,
-    flicker_wave,
+    flicker_waves,
     photon_means,
     poisson_of_normal,
     published_means,
+    wave_at,
 )
 
 RATE = 30.0
@@ -28,10 +29,11 @@ def series(frames, samples, *, longest_s, seed=5, start=0):
     made = np.zeros((frames, samples))
     for number in range(frames):
         for stratum, (level, phase) in enumerate(waves):
-            made[number] += flicker_wave(
-                band=band, stratum=stratum, time_s=(start + number) / RATE,
-                place=place, level=level, phase=phase,
-            )  # fmt: skip
+            wave = flicker_waves(band=band, stratum=stratum, place=place, level=level)
+            time = (start + number) / RATE
+            made[number] += wave_at(
+                time_s=time, frequency_hz=wave[0], amplitude=wave[1], phase=phase
+            )
     return made / band.strata**0.5
 
 
