@@ -44,10 +44,6 @@ class NetworkProblems(NetworkError):
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.problems,), self.__dict__
 
-    @property
-    def more(self) -> int:
-        return len(self.problems) - 1
-
 
 def check_network(
     network: Network, *, library: Library, keep_unknown: bool = False, unfinished: bool = False
