@@ -11,15 +11,8 @@ from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Region, Step, marked
 from core.evaluation.work import Work
 from core.modules.declaration import Formula, Module, NodeContext, Section, param
+from core.physics.measurement import slanted_edge
 from core.physics.measurement.row_average import row_average
-from core.physics.measurement.slanted_edge import (
-    Target,
-    Window,
-    falls_to,
-    jackknife_error,
-    slanted_edge,
-    spread_to_line,
-)
 from core.physics.numerics import sinc
 from core.records import dataclass
 from core.transfer.factors import Array, Grid, factor_at
@@ -66,15 +59,15 @@ def measured_slanted(
     where: Region,
     intervals: tuple[float, float] | None,
     direction: Direction,
-    target: Target,
-    window: Window,
+    target: slanted_edge.Target,
+    window: slanted_edge.Window,
     samples: int,
 ) -> Measured:
     region, scale, across = _region(image, where, direction)
     frequency = np.linspace(0.0, 1.0, samples)
     # The figures are those of fine steps, however few points the curve has.
     fine = np.linspace(0.0, 1.0, 257)
-    edge = slanted_edge(
+    edge = slanted_edge.slanted_edge(
         picture=np.ascontiguousarray(region),
         frequency=np.concatenate([frequency, fine]),
         target=target,
@@ -82,7 +75,7 @@ def measured_slanted(
         check=work.check,
     )
     levels = edge.spread.levels
-    lines = spread_to_line(spread=edge.spread, target=target)
+    lines = slanted_edge.spread_to_line(spread=edge.spread, target=target)
     height = levels[1] - levels[0] if target == "edge" else float(lines[np.argmax(np.abs(lines))])
     away = edge.spread.away * math.cos(math.radians(edge.line.angle_deg))
     inner = slice(1, -1) if target == "edge" else slice(None)
@@ -112,7 +105,7 @@ def measured_rows(
     where: Region,
     intervals: tuple[float, float] | None,
     direction: Direction,
-    target: Target,
+    target: slanted_edge.Target,
     clip_left: int | None,
     clip_right: int | None,
 ) -> Measured:
@@ -132,8 +125,8 @@ def measured_rows(
         _per_mrad(intervals, across, 0.0),
         across,
         0.0 if across == "horizontal" else 90.0,
-        (falls_to(level=0.5, **curve), None),
-        (falls_to(level=0.1, **curve), None),
+        (slanted_edge.falls_to(level=0.5, **curve), None),
+        (slanted_edge.falls_to(level=0.1, **curve), None),
         (at_nyquist, float(average.error[nyquist])),
         average.contrast * scale,
         average.noise * scale,
@@ -179,12 +172,14 @@ def _per_mrad(intervals: tuple[float, float] | None, across: str, slope: float) 
 
 
 def _crossing(frequency: Vector, mtf: Vector, replicas: Array, level: float) -> Figure:
-    value = falls_to(frequency=frequency, mtf=mtf, level=level)
-    crossings = [falls_to(frequency=frequency, mtf=one, level=level) for one in replicas]
+    value = slanted_edge.falls_to(frequency=frequency, mtf=mtf, level=level)
+    crossings = [
+        slanted_edge.falls_to(frequency=frequency, mtf=one, level=level) for one in replicas
+    ]
     known = [one for one in crossings if one is not None]
     if value is None or len(known) < len(crossings):
         return value, None
-    return value, float(jackknife_error(replicas=np.array(known)))
+    return value, float(slanted_edge.jackknife_error(replicas=np.array(known)))
 
 
 # What a measured MTF is expected to be: the chain's own, along the same direction.
@@ -258,7 +253,7 @@ def expected(work: Work, measured: Measured, *, behind: Behind, differences: boo
     return Expected(
         frequency,
         here,
-        falls_to(frequency=fine, mtf=mtf(fine), level=0.5),
+        slanted_edge.falls_to(frequency=fine, mtf=mtf(fine), level=0.5),
         float(mtf(np.array([0.5]))[0]) if end == 0.5 else None,
         float(apart[largest]),
         float(frequency[largest]),
@@ -408,7 +403,7 @@ class MeasuredMTF(Module, key="measured_mtf", title="Measured MTF", group="Analy
         "method: ISO 12233 for a slanted edge, or the row average of Tantalo 1996 "
         "for a vertical edge",
     )
-    target: Target = param(
+    target: slanted_edge.Target = param(
         "edge", "feature in the region: an edge, or a line (its width counts as blur)"
     )
     direction: Direction = param(
@@ -424,7 +419,7 @@ class MeasuredMTF(Module, key="measured_mtf", title="Measured MTF", group="Analy
     region_height: int | None = param(
         None, "rows in the region; empty: to the picture's end", low=0, unit="px", slider=_PIXELS
     )
-    window: Window = param(
+    window: slanted_edge.Window = param(
         "tukey", "window on the line spread function; tukey: flat over its middle half"
     )
     samples: int = param(129, "number of points on the curve", (2, 4096), slider=(32, 1024))

@@ -13,20 +13,8 @@ from core.chain.step_lineage import LevelChange
 from core.chain.wires import CurveData, Series, TableData, TableRow
 from core.errors import DataError
 from core.evaluation.work import Work
+from core.physics.acquisition import mrtd as physics
 from core.physics.acquisition import target_acquisition
-from core.physics.acquisition.mrtd import (
-    mdtd_K,
-    mrtd_flir92_K,
-    mrtd_ratches_K,
-    mrtd_two_dimensional,
-    perceived_share,
-)
-from core.physics.acquisition.target_acquisition import (
-    CYC_PER_DEG,
-    eye_contrast_threshold,
-    system_contrast_threshold,
-    thermal_contrast,
-)
 from core.physics.atmosphere.air_path import AirPath, transmission_at_ranges
 from core.physics.noise.noise_components import COMPONENTS, MEANINGS, NoiseVariances
 from core.physics.numerics import range_for_probability
@@ -160,7 +148,7 @@ def thresholds(
     turned = None if spectrum is None else spectrum.T
     directions: tuple[Literal["horizontal", "vertical"], ...] = ("horizontal", "vertical")
     horizontal, vertical = (
-        mrtd_ratches_K(
+        physics.mrtd_ratches_K(
             frequency=frequency,
             mtf=mtf,
             netd_K=sensed.netd_K,
@@ -170,7 +158,7 @@ def thresholds(
             **seen,
         )
         if model == "ratches_1976"
-        else mrtd_flir92_K(
+        else physics.mrtd_flir92_K(
             frequency=frequency,
             mtf=mtf,
             noise=sensed.noise_K2,
@@ -186,7 +174,7 @@ def thresholds(
             (directions[1], mtf_y, nyquist_y, nyquist_x, sampled[1], turned),
         )
     )
-    both_frequency, both = mrtd_two_dimensional(
+    both_frequency, both = physics.mrtd_two_dimensional(
         frequency=frequency, horizontal_K=horizontal, vertical_K=vertical
     )
     return Thresholds(frequency, mtf_x, mtf_y, horizontal, vertical, both_frequency, both)
@@ -243,7 +231,7 @@ def mdtd_curve(
     noise = sensed.noise_K2
     if model == "ratches_1976":
         noise = NoiseVariances(tvh=sensed.netd_K**2)
-    mdtd = mdtd_K(
+    mdtd = physics.mdtd_K(
         size_mrad=size,
         frequency=frequency,
         mtf_x=lineage.all_along(work, stages, lineage.HORIZONTAL, frequency),
@@ -358,7 +346,9 @@ def acquisition(
 
     def ttp(range_m: Any) -> Any:
         apparent = np.abs(task.apparent_K(range_m, noise.background_K))
-        contrast = thermal_contrast(difference_K=apparent, scene_contrast_K=task.scene_contrast_K)
+        contrast = target_acquisition.thermal_contrast(
+            difference_K=apparent, scene_contrast_K=task.scene_contrast_K
+        )
         across, along = (limit(contrast, task.size_m**2, range_m) for limit in limits)
         return target_acquisition.ttp_probability(
             value=np.sqrt(across) * np.sqrt(along), v50=task.v50
@@ -394,11 +384,13 @@ def _contrast_threshold(
     seen = np.where(resolved, mtf, 1.0)
     display = {"luminance_cd_m2": task.luminance_cd_m2, "display_deg": task.display_deg}
     if task.ttp_threshold == "mrtd":
-        per_deg = frequency * (CYC_PER_DEG / task.magnification)
-        eye = eye_contrast_threshold(frequency_cyc_per_deg=per_deg, **display)
-        hidden = thermal_contrast(difference_K=mrtd, scene_contrast_K=task.scene_contrast_K)
+        per_deg = frequency * (target_acquisition.CYC_PER_DEG / task.magnification)
+        eye = target_acquisition.eye_contrast_threshold(frequency_cyc_per_deg=per_deg, **display)
+        hidden = target_acquisition.thermal_contrast(
+            difference_K=mrtd, scene_contrast_K=task.scene_contrast_K
+        )
         return np.where(resolved, np.hypot(eye / seen, hidden), np.inf)
-    threshold = system_contrast_threshold(
+    threshold = target_acquisition.system_contrast_threshold(
         frequency=frequency,
         mtf=seen,
         magnification=task.magnification,
@@ -412,7 +404,7 @@ def _relative_noise(
     task: Task, noise: Sensitivity, frequency: Vector, nyquist: Nyquists, spectrum: Vector | None
 ) -> Vector:
     def share(of: Vector | None) -> Vector:
-        return perceived_share(
+        return physics.perceived_share(
             frequency=frequency,
             across_cyc_per_mrad=nyquist[0],
             along_cyc_per_mrad=nyquist[1],

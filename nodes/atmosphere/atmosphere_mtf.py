@@ -10,17 +10,8 @@ from core.errors import ParameterError
 from core.evaluation.recipes import Step
 from core.evaluation.work import Work
 from core.modules.declaration import Caution, Formula, NodeContext, Section, param, readout, warning
+from core.physics.atmosphere import scattering_and_turbulence as physics
 from core.physics.atmosphere.air_path import VISIBLE_UM
-from core.physics.atmosphere.scattering_and_turbulence import (
-    aerosol_mtf,
-    aerosol_mtf_of_particles,
-    fried_mtf,
-    fried_r0_at_m,
-    fried_r0_slant_m,
-    fried_r0_uniform_m,
-    path_optical_depth,
-    turbidity_optical_depth,
-)
 from core.physics.optics.blur import fwhm_to_sigma_mrad, gaussian_mtf
 from core.transfer.factors import AtWavelength, Factor, Law, Planar
 from nodes.optics.band_spectrum import at_each_band
@@ -195,8 +186,8 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
             "aperture_mm": aperture_mm if short else None,
             "alpha": self.alpha if short else 0.0,
         }
-        blur = radial(fried_mtf, wavelength_um=wavelength, **how, label=label, node=node)
-        return _by_bands(blur, Law.of(fried_mtf, r0_wavelength_um=wavelength, **how), bands)
+        blur = radial(physics.fried_mtf, wavelength_um=wavelength, **how, label=label, node=node)
+        return _by_bands(blur, Law.of(physics.fried_mtf, r0_wavelength_um=wavelength, **how), bands)
 
     def _aerosol(
         self, context: Context, here: NodeContext, bands: BandStack | None
@@ -207,10 +198,12 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
         label, node = f"{self.title} (turbidity)", here.node
         if self.particle_radius_um is None:
             cutoff = {"cutoff_cyc_per_mrad": self.turbidity_cutoff_cyc_per_mrad}
-            return radial(aerosol_mtf, optical_depth=depth, **cutoff, label=label, node=node)
+            return radial(
+                physics.aerosol_mtf, optical_depth=depth, **cutoff, label=label, node=node
+            )
         how = {"optical_depth": depth, "particle_radius_um": self.particle_radius_um}
         wavelength = self._wavelength(context)
-        particles = aerosol_mtf_of_particles
+        particles = physics.aerosol_mtf_of_particles
         blur = radial(particles, wavelength_um=wavelength, **how, label=label, node=node)
         return _by_bands(blur, Law.of(particles, **how), bands)
 
@@ -289,7 +282,7 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
         if self.fried_r0_m is not None:
             if self.r0_wavelength_um is None:
                 return self.fried_r0_m
-            return fried_r0_at_m(
+            return physics.fried_r0_at_m(
                 fried_r0_m=self.fried_r0_m,
                 from_wavelength_um=self.r0_wavelength_um,
                 wavelength_um=self._wavelength(context),
@@ -298,9 +291,9 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
             raise ParameterError("fried_r0_m", None, "give fried_r0_m or cn2")
         path, wavelength = of_context("range_m", context), self._wavelength(context)
         if self.view == "horizontal":
-            return fried_r0_uniform_m(cn2=self.cn2, path_m=path, wavelength_um=wavelength)
+            return physics.fried_r0_uniform_m(cn2=self.cn2, path_m=path, wavelength_um=wavelength)
         up = self.view == "up"
-        return fried_r0_slant_m(
+        return physics.fried_r0_slant_m(
             target_height_m=path if up else 0.0,
             sensor_height_m=0.0 if up else path,
             path_m=path,
@@ -314,12 +307,12 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
         if self.turbidity == "none":
             return 0.0
         if self.turbidity != "custom":
-            return turbidity_optical_depth(level=self.turbidity)
+            return physics.turbidity_optical_depth(level=self.turbidity)
         if self.scatter_depth is not None:
             return self.scatter_depth
         if self.scattering_per_km == 0:
             return 0.0
-        return path_optical_depth(
+        return physics.path_optical_depth(
             scattering_per_km=self.scattering_per_km,
             path_m=of_context("range_m", context),
             view=self.view,

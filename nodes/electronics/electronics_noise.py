@@ -11,26 +11,11 @@ from core.chain.wires import Context, Image, Table, Transfer
 from core.errors import ImagechainError, ParameterError, UnconnectedError
 from core.evaluation.recipes import Recipe, Step
 from core.evaluation.work import Work
+from core.modules import preview as charts
 from core.modules.declaration import NodeContext, declaration, warning
 from core.modules.parameters import Caution, Formula, Offer, Section, param
-from core.modules.preview import (
-    Axis,
-    Bar,
-    Bars,
-    Curve,
-    Mark,
-    Plot,
-    Preview,
-    brief,
-    kelvin,
-    not_connected,
-)
+from core.physics.detector import detectivity
 from core.physics.detector import readout as filters
-from core.physics.detector.detectivity import (
-    STANDARD_HALF_ANGLE_DEG,
-    cold_shield_half_angle_deg,
-    d_star,
-)
 from core.physics.noise.noise_equivalent import detector_area_cm2
 from core.physics.radiometry.spectra import MANUAL, MATERIALS_BY_REGION, Material, find_material
 from core.records import replace
@@ -296,7 +281,7 @@ class ElectronicsNoise(
             table=Table(here.step(steps.with_quantization, table, final, shaped)),
         )
 
-    def preview(self, planned: PlannedNode, work: Work, _here: NodeContext) -> Preview:
+    def preview(self, planned: PlannedNode, work: Work, _here: NodeContext) -> charts.Preview:
         """D* against wavelength, of the makers' conditions without a picture, and NETDs as bars."""
         figures: dict[str, Any] = {}
         problem = ""
@@ -307,13 +292,13 @@ class ElectronicsNoise(
             ports = declaration(type(self)).inputs
             missing = [p.name for p in ports if p.required and p.name not in planned.inputs]
             if isinstance(error, UnconnectedError) and missing:
-                problem = not_connected(missing)
+                problem = charts.not_connected(missing)
         context: Context | None = planned.inputs.get("context")
         chart, words = self._detectivity(figures, context)
         if not figures:
-            return Preview("; ".join([*words, problem]), (chart, problem))
+            return charts.Preview("; ".join([*words, problem]), (chart, problem))
         bars = [
-            Bar(name, figures[key], kelvin(figures[key]), colour)
+            charts.Bar(name, figures[key], charts.kelvin(figures[key]), colour)
             for name, key, colour in (
                 ("NETD detector", "netd_detector_K", 2),
                 ("amplifier", "netd_amplifier_K", 3),
@@ -321,32 +306,34 @@ class ElectronicsNoise(
             )
         ]
         words.append(", ".join(f"{bar.name} {bar.value}" for bar in bars))
-        return Preview("; ".join(words), (chart, Bars(tuple(bars), 3.2)))
+        return charts.Preview("; ".join(words), (chart, charts.Bars(tuple(bars), 3.2)))
 
     def _detectivity(
         self, figures: Mapping[str, Any], context: Context | None
-    ) -> tuple[Plot, list[str]]:
+    ) -> tuple[charts.Plot, list[str]]:
         band = self._known_band(context)
-        seen = {"background_K": 300.0, "half_angle_deg": STANDARD_HALF_ANGLE_DEG}
-        through = f"a cone of {2 * STANDARD_HALF_ANGLE_DEG:.0f}°"
+        seen = {"background_K": 300.0, "half_angle_deg": detectivity.STANDARD_HALF_ANGLE_DEG}
+        through = f"a cone of {2 * detectivity.STANDARD_HALF_ANGLE_DEG:.0f}°"
         if figures and context is not None and context.f_number is not None:
-            half_angle = cold_shield_half_angle_deg(f_number=context.f_number)
+            half_angle = detectivity.cold_shield_half_angle_deg(f_number=context.f_number)
             seen = {"background_K": figures["background_K"], "half_angle_deg": half_angle}
             through = f"F/{context.f_number:.3g}"
         conditions = f"{seen['background_K']:.0f} K in {through}"
         typed, of_band = self.d_star is not None, figures.get("d_star", self.d_star)
         ends, levels, words = list(band or ()), [of_band] if of_band else [], []
-        curves: list[Curve] = []
-        marks: list[Mark] = []
+        curves: list[charts.Curve] = []
+        marks: list[charts.Mark] = []
         if self.material != MANUAL:
             material = find_material(
                 region=self.region, material=self.material, cut_off_um=band and band[1]
             )
             curve, peak = _material_curve(material, band, seen)
-            at, highest = f"{brief(peak[0])} µm", brief(peak[1])
+            at, highest = f"{charts.brief(peak[0])} µm", charts.brief(peak[1])
             drawn = np.where(curve[1] > 0, curve[1], 1e-3)
-            curves.append(Curve(curve[0], drawn, 0, "dotted" if typed else "solid", self.material))
-            marks.append(Mark(*peak, f"{highest} at {at}", down=-0.8))
+            curves.append(
+                charts.Curve(curve[0], drawn, 0, "dotted" if typed else "solid", self.material)
+            )
+            marks.append(charts.Mark(*peak, f"{highest} at {at}", down=-0.8))
             ends.append(float(curve[0][-1]))
             levels.append(peak[1])
             words.append(
@@ -357,16 +344,16 @@ class ElectronicsNoise(
         if of_band is not None:
             low, high = band or (0.02 * end, end)
             name = "entered" if typed else "band"
-            curves.append(Curve((low, high), (of_band,) * 2, 1, "dashed", name, 2.0))
-            marks.append(Mark(low, of_band, brief(of_band), down=0.8, dot=False))
+            curves.append(charts.Curve((low, high), (of_band,) * 2, 1, "dashed", name, 2.0))
+            marks.append(charts.Mark(low, of_band, charts.brief(of_band), down=0.8, dot=False))
             where = "entered" if typed else "over the band"
-            words.append(f"D* {where} {brief(of_band)} cm √Hz/W")
+            words.append(f"D* {where} {charts.brief(of_band)} cm √Hz/W")
         most, least = max(levels, default=1e12), min(levels, default=1e12)
-        along = Axis(
+        along = charts.Axis(
             most / max(10**_DECADES, 10 * most / least), most * 6.0, "D* (cm √Hz/W)", log=True
         )
-        across = Axis(0.0, end, f"wavelength (µm), {conditions}")
-        return Plot(across, along, tuple(curves), tuple(marks), band=band), words
+        across = charts.Axis(0.0, end, f"wavelength (µm), {conditions}")
+        return charts.Plot(across, along, tuple(curves), tuple(marks), band=band), words
 
     def _known_band(self, context: Context | None) -> tuple[float, float] | None:
         try:
@@ -551,11 +538,11 @@ def _material_curve(
     cut_off = material.cut_off_um
     inside = np.linspace(_SHORTEST * cut_off, cut_off, _PREVIEW_POINTS)
     wavelength = np.append(inside, np.nextafter(cut_off, np.inf))
-    curve = wavelength, d_star(wavelength, material=material, **seen)
+    curve = wavelength, detectivity.d_star(wavelength, material=material, **seen)
     within, values = curve
     if band_um is not None and 0 < band_um[0] < cut_off:
         end = min(band_um[1], cut_off)
         within = np.append(np.linspace(band_um[0], end, _PREVIEW_POINTS)[:-1], end)
-        values = d_star(within, material=material, **seen)
+        values = detectivity.d_star(within, material=material, **seen)
     highest = int(np.argmax(values))
     return curve, (float(within[highest]), float(values[highest]))

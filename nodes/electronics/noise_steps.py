@@ -14,14 +14,7 @@ from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks, point
 from core.evaluation.work import Work
 from core.physics.detector.detectivity import band_d_star, cold_shield_half_angle_deg
 from core.physics.detector.readout import apply_gain_bias, quantization_rms
-from core.physics.noise.noise_equivalent import (
-    amplifier_noise_radiance,
-    g_number,
-    nep_W,
-    ner_W_m2_sr,
-    netd_K,
-    system_netd_K,
-)
+from core.physics.noise import noise_equivalent
 from core.physics.radiometry.planck import brightness_temperature
 from core.physics.radiometry.spectra import find_material
 from core.records import dataclass
@@ -64,16 +57,18 @@ def detector_figures(
             )
         background = float(brightness_temperature(radiance=seen.mean / vignetting, **band))
     d_star = d_star or _band_d_star(band_um, material, lens, background)
-    throughput = g_number(
+    throughput = noise_equivalent.g_number(
         f_number=lens.f_number,
         filter_transmission=filter_transmission,
         optics_transmission=lens.transmission,
         obscuration_ratio=lens.obscuration_ratio,
         irradiance=lens.irradiance,
     )
-    nep = nep_W(area_cm2=area_cm2, bandwidth_Hz=bandwidth_Hz, d_star=d_star)
-    ner = ner_W_m2_sr(nep_W=nep, area_cm2=area_cm2, g_number=throughput)
-    netd = float(netd_K(noise_radiance=ner / vignetting, background_K=background, **band))
+    nep = noise_equivalent.nep_W(area_cm2=area_cm2, bandwidth_Hz=bandwidth_Hz, d_star=d_star)
+    ner = noise_equivalent.ner_W_m2_sr(nep_W=nep, area_cm2=area_cm2, g_number=throughput)
+    netd = float(
+        noise_equivalent.netd_K(noise_radiance=ner / vignetting, background_K=background, **band)
+    )
     return DetectorFigures(background, throughput, d_star, nep, ner, netd)
 
 
@@ -96,12 +91,16 @@ def figures(
     sigma = 0.0
     if amplifier_snr is not None:
         level = abs(seen.mean) if snr_reference == "mean" else seen.high - seen.low
-        sigma = float(amplifier_noise_radiance(reference_radiance=level, snr=amplifier_snr))
+        sigma = float(
+            noise_equivalent.amplifier_noise_radiance(reference_radiance=level, snr=amplifier_snr)
+        )
         if not np.isfinite(sigma):
             raise ParameterError("amplifier_snr", amplifier_snr, "large enough for finite noise")
     # NETD is noise over dL/dT: the detector's own gives the slope without Planck's integral.
     netd_amplifier = computed.netd_K * sigma / computed.ner
     netd_detector = computed.netd_K * rms_over_mean
+    both = {"amplifier_netd_K": netd_amplifier, "detector_netd_K": netd_detector}
+    netd_system = noise_equivalent.system_netd_K(**both)
     noise = float(np.hypot(computed.ner * rms_over_mean, sigma))
     return TableData.of(
         ("background_K", computed.background_K, "K", "background temperature for D* and dL/dT"),
@@ -114,8 +113,7 @@ def figures(
         ("netd_detector_K", netd_detector, "K", "NETD of the detectors, from the rms noise over "
          "all detectors"),
         ("netd_amplifier_K", netd_amplifier, "K", "NETD of the amplifier"),
-        ("netd_system_K",
-         system_netd_K(amplifier_netd_K=netd_amplifier, detector_netd_K=netd_detector), "K",
+        ("netd_system_K", netd_system, "K",
          "NETD of detector and amplifier together"),
         ("snr", seen.mean / noise, "",
          "mean signal divided by the rms noise of detector and amplifier"),

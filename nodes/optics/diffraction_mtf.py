@@ -8,28 +8,11 @@ from core.errors import ParameterError
 from core.evaluation.recipes import Recipe, Step
 from core.evaluation.work import Work
 from core.modules.declaration import Caution, Formula, NodeContext, Section, param, readout, warning
-from core.physics.optics.diffraction_otf import (
-    FINEST_TOLERANCE,
-    USUAL_WITH_DEFOCUS,
-    USUAL_WITH_MANY_BENDS,
-    Aperture,
-    Spectrum,
-    diffraction_otf,
-    has_many_bends,
-    wavelengths_needed,
-)
+from core.physics.optics import diffraction_otf as physics
 from core.records import replace
 from core.transfer.factors import AtWavelength, Law, Planar
 from nodes.optics import band_spectrum
-from nodes.shared import module_ports
-from nodes.shared.context_defaults import (
-    F_NUMBER_NEAR,
-    Band,
-    apart,
-    apart_from_context,
-    given_band,
-    middle_warning,
-)
+from nodes.shared import context_defaults, module_ports
 from nodes.shared.steps import number
 
 Number = Literal["auto", 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 12, 16, 20, 24, 32, 48, 64]
@@ -148,9 +131,9 @@ class DiffractionMTF(
         responses = band_spectrum.weighting_responses(
             self.response, here.folder, magnitude, weighting
         )
-        spectrum = Spectrum(*band, weighting, responses=responses)
+        spectrum = physics.Spectrum(*band, weighting, responses=responses)
         law = Law.of(
-            diffraction_otf,
+            physics.diffraction_otf,
             aperture=aperture,
             cut_on_um=band[0],
             cut_off_um=band[1],
@@ -158,7 +141,7 @@ class DiffractionMTF(
             temperature_K=self._temperature(magnitude, band, here.node) or 1.0,
             responses=responses,
             wavelengths=0 if self.wavelengths == "auto" else self.wavelengths,
-            tolerance=self._finest(many_bends=has_many_bends(spectrum)),
+            tolerance=self._finest(many_bends=physics.has_many_bends(spectrum)),
         )
         # All that the law lets through is below the cutoff of the shortest wavelength taken.
         cutoff = aperture.diameter_mm / band[0]
@@ -175,7 +158,7 @@ class DiffractionMTF(
     def _by_bands(
         self,
         blur: Planar,
-        aperture: Aperture,
+        aperture: physics.Aperture,
         magnitude: Magnitude,
         detector: band_spectrum.Responses,
     ) -> Planar:
@@ -185,7 +168,7 @@ class DiffractionMTF(
         for wavelength in (min(bands.centres_um), max(bands.centres_um)):
             aperture.check(wavelength)
         one = Law.of(
-            diffraction_otf,
+            physics.diffraction_otf,
             aperture=aperture,
             weighting="uniform",
             temperature_K=1.0,
@@ -202,14 +185,14 @@ class DiffractionMTF(
             return None
         return magnitude.image.bands
 
-    def aperture_of(self, context: Context) -> Aperture:
+    def aperture_of(self, context: Context) -> physics.Aperture:
         """The aperture here, else of Camera, else by F-number and focal length."""
         diameter = self.aperture_mm or _of_context(context)
         if diameter is None:
             allowed = "give F-number and focal length on Init & Trans, or a value here or on Camera"
             raise ParameterError("aperture_mm", None, allowed)
         inner = self.obscuration_ratio
-        return Aperture(
+        return physics.Aperture(
             diameter,
             context.obscuration_ratio if inner is None else inner,
             self.defocus_waves,
@@ -218,22 +201,24 @@ class DiffractionMTF(
         )
 
     def _finest(self, *, many_bends: bool = False) -> float:
-        usual = USUAL_WITH_DEFOCUS if self.defocus_waves else FINEST_TOLERANCE
+        usual = physics.USUAL_WITH_DEFOCUS if self.defocus_waves else physics.FINEST_TOLERANCE
         if many_bends:
-            usual = USUAL_WITH_MANY_BENDS
-        return max(self.tolerance or usual, FINEST_TOLERANCE)
+            usual = physics.USUAL_WITH_MANY_BENDS
+        return max(self.tolerance or usual, physics.FINEST_TOLERANCE)
 
-    def _band(self, context: Context) -> Band:
-        return given_band(self.cut_on_um, self.cut_off_um, context.band_um)
+    def _band(self, context: Context) -> context_defaults.Band:
+        return context_defaults.given_band(self.cut_on_um, self.cut_off_um, context.band_um)
 
-    def _temperature(self, magnitude: Magnitude, band: Band, node: str) -> float | Recipe | None:
+    def _temperature(
+        self, magnitude: Magnitude, band: context_defaults.Band, node: str
+    ) -> float | Recipe | None:
         if self.weighting == "uniform" or self.wavelengths == 1 or band[0] == band[1]:
             return None
         if self._bands(magnitude) is not None:
             return None
         return band_spectrum.source_temperature(self.source_K, magnitude, band, node)
 
-    band = middle_warning
+    band = context_defaults.middle_warning
 
     @warning
     def aperture(self, context: Context) -> Caution | None:
@@ -241,7 +226,9 @@ class DiffractionMTF(
         camera = context.aperture_mm is not None
         where = "on Camera" if camera else "from focal length and F-number on Init & Trans"
         diameter = {"aperture_mm": _of_context(context)}
-        return apart(self, diameter, where=where, near=F_NUMBER_NEAR) or apart_from_context(
+        return context_defaults.apart(
+            self, diameter, where=where, near=context_defaults.F_NUMBER_NEAR
+        ) or context_defaults.apart_from_context(
             self, context, "obscuration_ratio", where="on Camera"
         )
 
@@ -313,8 +300,14 @@ def _needed(outputs: module_ports.OtfOutputs, wanted: str) -> Step:
 
 
 def _wavelengths_needed(
-    work: Work, kelvin: float, *, aperture: Aperture, tolerance: float, wanted: str, **spectrum: Any
+    work: Work,
+    kelvin: float,
+    *,
+    aperture: physics.Aperture,
+    tolerance: float,
+    wanted: str,
+    **spectrum: Any,
 ) -> float | int:
-    lit = Spectrum(temperature_K=kelvin, **spectrum)
-    count, error = wavelengths_needed(aperture, lit, tolerance)
+    lit = physics.Spectrum(temperature_K=kelvin, **spectrum)
+    count, error = physics.wavelengths_needed(aperture, lit, tolerance)
     return count if wanted == "count" else error

@@ -13,14 +13,7 @@ from numpy.typing import NDArray
 from core.chain.wires import Context, Magnitude, Phase
 from core.errors import DataError, FileError, ParameterError
 from core.modules.declaration import Caution, Formula, NodeContext, Section, param, readout, warning
-from core.physics.optics.blur import (
-    ROUNDED,
-    Column,
-    from_zero,
-    radial_tabulated_mtf,
-    tabulated_mtf,
-    tabulated_ptf,
-)
+from core.physics.optics import blur as physics
 from core.records import dataclass
 from core.transfer.factors import Factor, Law, Part, Planar, Separable
 from nodes.files.arrays import is_npy, npy_header, whole_npy
@@ -36,7 +29,7 @@ from nodes.shared.module_ports import Apply, NyquistReadouts, OtfOutputs, otf_ou
 
 ENDS_LOW = 0.02  # an MTF that ends above is cut off by the file, not by the optics
 Scales = tuple[float, float]
-Curves = dict[str, tuple[Column, Column]]
+Curves = dict[str, tuple[physics.Column, physics.Column]]
 
 
 class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics"):
@@ -158,11 +151,13 @@ class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics")
                 f"{table.file}: a phase needs a direction; set direction to x or y, or name "
                 "the columns phase_x and phase_y"
             )
-        shift = self._separable(tabulated_ptf, phases, scales, "ptf", node)
+        shift = self._separable(physics.tabulated_ptf, phases, scales, "ptf", node)
         if "radial" not in mtfs:
-            return self._separable(tabulated_mtf, mtfs, scales, "mtf", node), shift
+            return self._separable(physics.tabulated_mtf, mtfs, scales, "mtf", node), shift
         frequencies, values = mtfs["radial"]
-        law = Law.of(radial_tabulated_mtf, scale=scales[0], frequencies=frequencies, values=values)
+        law = Law.of(
+            physics.radial_tabulated_mtf, scale=scales[0], frequencies=frequencies, values=values
+        )
         cutoff = (frequencies[-1] / scales[0], frequencies[-1] / scales[1])
         # By pixels of unequal sides, what is round there is an ellipse here.
         ratios = (1.0, scales[1] / scales[0])
@@ -189,7 +184,7 @@ class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics")
             if values is None or direction is None:
                 continue
             try:
-                curves[direction] = from_zero(
+                curves[direction] = physics.from_zero(
                     table.frequencies,
                     values if kind == "mtf" else tuple(map(float, np.unwrap(values))),
                     at_zero=1.0 if kind == "mtf" else 0.0,
@@ -243,7 +238,7 @@ class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics")
             (max(_points(law)[1]) for law, _, _ in _ends(outputs.mtf.factors, 0.0, 0.0)),
             default=0.0,
         )
-        if highest <= 1.0 + ROUNDED:
+        if highest <= 1.0 + physics.ROUNDED:
             return None
         return Caution(
             f"the picture is sharpened: the MTF rises to {highest:.4g}, but optics "
@@ -269,7 +264,7 @@ class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics")
         return None
 
 
-def _points(law: Law) -> tuple[Column, Column]:
+def _points(law: Law) -> tuple[physics.Column, physics.Column]:
     bound = dict(law.parameters)
     return bound["frequencies"], bound["values"]
 

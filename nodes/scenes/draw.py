@@ -22,19 +22,9 @@ from core.physics.radiometry.spectra import (
     mean_by_planck,
     white_surface_radiance,
 )
-from nodes.scenes import coverage
+from nodes.scenes import coverage, scene_canvas
 from nodes.scenes.coverage import FloatArray
 from nodes.scenes.drawn_scenes import airfield, dormitory
-from nodes.scenes.scene_canvas import (
-    Canvas,
-    Drawing,
-    Layers,
-    Radiances,
-    difference,
-    layers_of,
-    mean_shares,
-    with_textures,
-)
 
 Emissivity = Literal["spectra", "grey"]
 
@@ -227,7 +217,7 @@ GEOMETRY: Mapping[str, tuple[str, ...]] = MappingProxyType(
 )
 """Scenes drawn in two steps, and the parameters beside the size that place their surfaces."""
 
-Shares = Layers | npt.NDArray[np.floating]
+Shares = scene_canvas.Layers | npt.NDArray[np.floating]
 """Of every surface, or of the signal against the background."""
 
 Spectra = Mapping[str, FloatArray]
@@ -242,7 +232,7 @@ def scene_radiances(
     temperature_K: float,
     delta_K: float,
     reflectances: tuple[float, float] | None = None,
-) -> Radiances:
+) -> scene_canvas.Radiances:
     """Band radiance of each of a scene's surfaces, or of background and signal [W m⁻² sr⁻¹].
 
     Targets are black, `delta_K` warmer than a background of `temperature_K`; or their
@@ -259,7 +249,12 @@ def scene_radiances(
 
 
 def draw_radiances(
-    radiances: Radiances, canvas: Canvas, *, kind: str, angle_deg: float, frequency: float
+    radiances: scene_canvas.Radiances,
+    canvas: scene_canvas.Canvas,
+    *,
+    kind: str,
+    angle_deg: float,
+    frequency: float,
 ) -> npt.NDArray[np.floating]:
     """A test scene of these radiances, averaged over each sample's area.
 
@@ -286,16 +281,16 @@ def in_two_steps(*, kind: str, width: int, height: int) -> bool:
     return kind in GEOMETRY and width * height <= MOST_SAMPLES
 
 
-def draw_shares(kind: str, canvas: Canvas, **geometry: float) -> Shares:
+def draw_shares(kind: str, canvas: scene_canvas.Canvas, **geometry: float) -> Shares:
     """Share of each sample's area that shows each surface; `geometry` is what `GEOMETRY` names."""
     if kind in DRAWN:
-        return layers_of(DRAWN[kind](), canvas)
+        return scene_canvas.layers_of(DRAWN[kind](), canvas)
     return draw_target(kind, canvas, background=0.0, signal=1.0, **geometry)
 
 
-def show_radiances(shares: Shares, radiances: Radiances) -> npt.NDArray[np.floating]:
+def show_radiances(shares: Shares, radiances: scene_canvas.Radiances) -> npt.NDArray[np.floating]:
     """The picture of these radiances, as `draw_radiances`, but for rounding."""
-    if isinstance(shares, Layers):
+    if isinstance(shares, scene_canvas.Layers):
         return shares.picture(radiances)
     background, signal = radiances["background"], radiances["signal"]
     picture: npt.NDArray[np.floating] = shares * (signal - background)
@@ -332,7 +327,7 @@ def scene_spectra(
     """
     kelvins: dict[str, Any] = {"temperature_K": temperature_K, "delta_K": delta_K}
     edges = band_edges(cut_on_um=cut_on_um, cut_off_um=cut_off_um, bands=bands)
-    rows: list[Radiances] = []
+    rows: list[scene_canvas.Radiances] = []
     if kind in DRAWN:
         spectra = surface_spectra(
             edges_um=edges,
@@ -344,7 +339,7 @@ def scene_spectra(
         textures = DRAWN[kind]().textures
         for band in range(bands):
             known = {name: float(values[band]) for name, values in spectra.items()}
-            rows.append(with_textures(known, textures))
+            rows.append(scene_canvas.with_textures(known, textures))
     elif reflectances is not None:
         rows = [dict(zip(_LEVELS, reflectances, strict=True))] * bands
     else:
@@ -354,25 +349,27 @@ def scene_spectra(
     return {name: np.array([row[name] for row in rows]) for name in rows[0]}
 
 
-def weighted(spectra: Spectra, weights: tuple[float, ...]) -> Radiances:
+def weighted(spectra: Spectra, weights: tuple[float, ...]) -> scene_canvas.Radiances:
     factors = np.array(weights)
     return {name: float(values @ factors) for name, values in spectra.items()}
 
 
 def shown_means(shares: Shares, spectra: Spectra) -> FloatArray:
     """Mean of every band of a scene whose shares are known, (bands,)."""
-    if isinstance(shares, Layers):
+    if isinstance(shares, scene_canvas.Layers):
         return _of_surfaces(shares.names, shares.means, spectra)
     background = spectra["background"]
     share = float(np.mean(shares, dtype=np.float64))
     return np.asarray(background + share * (spectra["signal"] - background))
 
 
-def drawn_means(spectra: Spectra, canvas: Canvas, *, kind: str, **geometry: float) -> FloatArray:
+def drawn_means(
+    spectra: Spectra, canvas: scene_canvas.Canvas, *, kind: str, **geometry: float
+) -> FloatArray:
     """The same of a scene that is drawn anew, with the parameters of `draw_radiances`."""
     if kind in DRAWN:
         drawing = DRAWN[kind]()
-        return _of_surfaces(drawing.names, mean_shares(drawing, canvas), spectra)
+        return _of_surfaces(drawing.names, scene_canvas.mean_shares(drawing, canvas), spectra)
     return shown_means(draw_shares(kind, canvas, **geometry), spectra)
 
 
@@ -386,12 +383,12 @@ STAR_RADIUS = 0.45
 BAR_GROUPS = 12
 BAR_MINIMUM = 9.0
 MAX_SPOKES = 1024
-_WARMER = difference("signal", "background")
+_WARMER = scene_canvas.difference("signal", "background")
 
 
 def draw_target(
     kind: str,
-    canvas: Canvas,
+    canvas: scene_canvas.Canvas,
     *,
     background: float,
     signal: float,
@@ -401,7 +398,7 @@ def draw_target(
     """One of the targets; parameters as for `nodes.scenes.draw.draw_radiances`."""
     width, height = canvas.width, canvas.height
     if kind in ("two_panel", "four_bar"):
-        drawing = Drawing("background")
+        drawing = scene_canvas.Drawing("background")
         if kind == "two_panel":
             drawing.add(_WARMER, (coverage.band(0.0, 1.0), coverage.band(0.5, 1.0)))
         else:
@@ -478,7 +475,7 @@ def _siemens_star(
     return [disc, coverage.star_coverage(x_edges, y_edges, spokes=spokes)]
 
 
-def _four_bar(drawing: Drawing, width: int, height: int, frequency: float) -> None:
+def _four_bar(drawing: scene_canvas.Drawing, width: int, height: int, frequency: float) -> None:
     """Pairs of four-bar targets, upright and level, each √2 finer than the one before.
 
     The coarsest has `frequency` cycles per shorter side of the frame. A bar is 7 times as long
