@@ -167,7 +167,7 @@ def noise_of_frames(frames: Iterator[NDArray[Any]], clean: NDArray[Any]) -> Meas
 def table_of(work: Work, *noises: ImageNoise | MeasuredNoise, unit: str) -> TableData:
     predicted, measured = _kinds(noises)
     rows = []
-    expected = _expected(predicted)
+    expected = None if predicted is None else predicted.total
     for name in COMPONENTS:
         meaning = MEANINGS[name]
         if expected is not None:
@@ -204,28 +204,22 @@ def _kinds(
     noises: tuple[ImageNoise | MeasuredNoise, ...],
 ) -> tuple[ImageNoise | None, MeasuredNoise | None]:
     predicted = next((one for one in noises if isinstance(one, ImageNoise)), None)
+    if predicted is not None:
+        predicted.require_known()
     return predicted, next((one for one in noises if isinstance(one, MeasuredNoise)), None)
-
-
-def _expected(predicted: ImageNoise | None) -> NoiseVariances | None:
-    if predicted is None:
-        return None
-    predicted.require_known()
-    return predicted.total
 
 
 def bars_of(work: Work, *noises: ImageNoise | MeasuredNoise, unit: str) -> CurveData:
     """The seven components as bars; those estimated below zero are drawn at zero."""
     predicted, measured = _kinds(noises)
-    expected = _expected(predicted)
     places = np.arange(float(len(COMPONENTS)))
 
     def heights(variances: NoiseVariances) -> NDArray[np.float64]:
         return np.array([max(variances.sigma(name), 0.0) for name in COMPONENTS])
 
     series = []
-    if expected is not None:
-        series.append(Series("predicted", places, heights(expected)))
+    if predicted is not None:
+        series.append(Series("predicted", places, heights(predicted.total)))
     if measured is not None:
         series.append(Series("measured", places, heights(measured.variances)))
     names = tuple(f"σ {name}" for name in COMPONENTS)

@@ -146,34 +146,25 @@ def thresholds(
     mtf_y = _to_first_zero(work, stages, lineage.VERTICAL, frequency)
     spectrum = sensed.spectrum
     turned = None if spectrum is None else spectrum.T
-    directions: tuple[Literal["horizontal", "vertical"], ...] = ("horizontal", "vertical")
-    horizontal, vertical = (
-        physics.mrtd_ratches_K(
-            frequency=frequency,
-            mtf=mtf,
-            netd_K=sensed.netd_K,
-            noise_bandwidth_cyc_per_mrad=across,
-            detector_along_mrad=0.5 / along,
-            spectrum=of_noise,
-            **seen,
-        )
-        if model == "ratches_1976"
-        else physics.mrtd_flir92_K(
-            frequency=frequency,
-            mtf=mtf,
-            noise=sensed.noise_K2,
-            across_cyc_per_mrad=across,
-            along_cyc_per_mrad=along,
-            direction=direction,
-            sampled=is_sampled,
-            spectrum=of_noise,
-            **seen,
-        )
-        for direction, mtf, across, along, is_sampled, of_noise in (
-            (directions[0], mtf_x, nyquist_x, nyquist_y, sampled[0], spectrum),
-            (directions[1], mtf_y, nyquist_y, nyquist_x, sampled[1], turned),
-        )
-    )
+
+    def mrtd(
+        direction: Literal["horizontal", "vertical"],
+        is_sampled: bool,
+        across: float,
+        along: float,
+        **how: Any,
+    ) -> Vector:
+        how |= seen
+        if model == "ratches_1976":
+            how |= {"noise_bandwidth_cyc_per_mrad": across, "detector_along_mrad": 0.5 / along}
+            return physics.mrtd_ratches_K(frequency=frequency, netd_K=sensed.netd_K, **how)
+        how |= {"across_cyc_per_mrad": across, "along_cyc_per_mrad": along, "sampled": is_sampled}
+        how |= {"direction": direction, "noise": sensed.noise_K2}
+        return physics.mrtd_flir92_K(frequency=frequency, **how)
+
+    nyquist = nyquist_x, nyquist_y
+    horizontal = mrtd("horizontal", sampled[0], *nyquist, mtf=mtf_x, spectrum=spectrum)
+    vertical = mrtd("vertical", sampled[1], *nyquist[::-1], mtf=mtf_y, spectrum=turned)
     both_frequency, both = physics.mrtd_two_dimensional(
         frequency=frequency, horizontal_K=horizontal, vertical_K=vertical
     )

@@ -21,15 +21,7 @@ from core.records import dataclass
 from nodes.shared.context_defaults import Lens
 from nodes.shared.steps import PictureRange
 
-
-@dataclass(frozen=True)
-class DetectorFigures:
-    background_K: float
-    g_number: float
-    d_star: float
-    nep_W: float
-    ner: float
-    netd_K: float
+DetectorFigures = dict[str, float]
 
 
 def detector_figures(
@@ -69,7 +61,8 @@ def detector_figures(
     netd = float(
         noise_equivalent.netd_K(noise_radiance=ner / vignetting, background_K=background, **band)
     )
-    return DetectorFigures(background, throughput, d_star, nep, ner, netd)
+    figures = {"background_K": background, "g_number": throughput, "d_star": d_star}
+    return {**figures, "nep_W": nep, "ner": ner, "netd_K": netd}
 
 
 def figures(
@@ -97,18 +90,19 @@ def figures(
         if not np.isfinite(sigma):
             raise ParameterError("amplifier_snr", amplifier_snr, "large enough for finite noise")
     # NETD is noise over dL/dT: the detector's own gives the slope without Planck's integral.
-    netd_amplifier = computed.netd_K * sigma / computed.ner
-    netd_detector = computed.netd_K * rms_over_mean
+    netd_amplifier = computed["netd_K"] * sigma / computed["ner"]
+    netd_detector = computed["netd_K"] * rms_over_mean
     both = {"amplifier_netd_K": netd_amplifier, "detector_netd_K": netd_detector}
     netd_system = noise_equivalent.system_netd_K(**both)
-    noise = float(np.hypot(computed.ner * rms_over_mean, sigma))
+    noise = float(np.hypot(computed["ner"] * rms_over_mean, sigma))
     return TableData.of(
-        ("background_K", computed.background_K, "K", "background temperature for D* and dL/dT"),
+        ("background_K", computed["background_K"], "K", "background temperature for D* and dL/dT"),
         ("bandwidth_Hz", bandwidth_Hz, "Hz", "noise bandwidth"),
-        ("g_number", computed.g_number, "1/sr", "optical throughput"),
-        ("d_star", computed.d_star, "cm √Hz/W", "specific detectivity over the band"),
-        ("nep_W", computed.nep_W, "W", "noise-equivalent power of a detector with mean noise"),
-        ("ner", computed.ner, "W/m²/sr", "noise-equivalent radiance of a detector with mean noise"),
+        ("g_number", computed["g_number"], "1/sr", "optical throughput"),
+        ("d_star", computed["d_star"], "cm √Hz/W", "specific detectivity over the band"),
+        ("nep_W", computed["nep_W"], "W", "noise-equivalent power of a detector with mean noise"),
+        ("ner", computed["ner"], "W/m²/sr",
+         "noise-equivalent radiance of a detector with mean noise"),
         ("amplifier_noise", sigma, "W/m²/sr", "rms noise of the amplifier"),
         ("netd_detector_K", netd_detector, "K", "NETD of the detectors, from the rms noise over "
          "all detectors"),
@@ -281,7 +275,7 @@ def read_out(
 
 def _detector(at: AtStep, figures: Recipe, variability_percent: float) -> list[Noise]:
     spread = variability_percent / 100.0
-    return [at.white("detector", at.work.value(figures).ner ** 2 * (1.0 + spread**2))]
+    return [at.white("detector", at.work.value(figures)["ner"] ** 2 * (1.0 + spread**2))]
 
 
 @in_blocks()
@@ -310,7 +304,7 @@ def detector_noise(
     *,
     variability_percent: float,
 ) -> Array:
-    sigma: Any = figures.ner
+    sigma: Any = figures["ner"]
     if pattern is not None:
         # A spread wide enough to turn a deviation negative is still a spread: take its size.
         sigma = np.abs(sigma * (1.0 + variability_percent / 100.0 * pattern))

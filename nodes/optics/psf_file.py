@@ -1,11 +1,12 @@
 """PSF File: a point spread function, measured or of a lens design, from a picture."""
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Literal
 
 from core.chain.wires import Context, Magnitude, Phase
 from core.errors import DataError, ParameterError
-from core.evaluation.recipes import Recipe, Step
+from core.evaluation.recipes import Step
 from core.evaluation.work import Work
 from core.modules.declaration import Caution, Formula, NodeContext, Section, param, readout, warning
 from core.physics.optics.blur import PointSpread, coarseness, edge_share, sampled_psf_otf
@@ -155,14 +156,12 @@ class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics")
     @warning
     def border(self, outputs: OtfOutputs) -> Step | None:
         """Energy is cut off at the file's border, or the file has a background."""
-        psf = _psf_of(outputs)
-        return None if psf is None else Step.of(_border_caution, psf)
+        return _of_psf(_border_caution, outputs)
 
     @warning
     def coarse(self, outputs: OtfOutputs) -> Step | None:
         """The file's samples are too far apart."""
-        psf = _psf_of(outputs)
-        return None if psf is None else Step.of(_coarse_caution, psf)
+        return _of_psf(_coarse_caution, outputs)
 
     no_phase = phase_warning
 
@@ -186,8 +185,7 @@ class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics")
     @readout()
     def sum_of_samples(self, outputs: OtfOutputs) -> Step | None:
         """Sum of the file's samples minus the background; the samples are divided by this sum."""
-        psf = _psf_of(outputs)
-        return None if psf is None else Step.of(_total, psf)
+        return _of_psf(_total, outputs)
 
     @readout("cyc/mrad")
     def file_nyquist_x(self, outputs: OtfOutputs) -> float | None:
@@ -201,8 +199,9 @@ def _bound(outputs: OtfOutputs) -> dict[str, Any]:
     return {name: value for law in laws for name, value in law.parameters}
 
 
-def _psf_of(outputs: OtfOutputs) -> Recipe | None:
-    return _bound(outputs).get("psf")
+def _of_psf(function: Callable[..., Any], outputs: OtfOutputs) -> Step | None:
+    bound = _bound(outputs)
+    return Step.of(function, bound["psf"]) if bound else None
 
 
 def _centroid(outputs: OtfOutputs, axis: int) -> Step | None:
