@@ -78,17 +78,10 @@ def read_step(
     missing: Missing = "refuse",
 ) -> Step:
     """Recipe of a band, an interval, or the luminance of three, times `scale` plus `offset`."""
-    return Step.of(
-        read_scaled,
-        node=node,
-        file=source.file,
-        stamps=source.stamps,
-        band=band,
-        scale=scale,
-        interval_um=interval_um,
-        missing=missing,
-        **({"offset": offset} if offset else {}),
-    )
+    how: dict[str, Any] = {"file": source.file, "stamps": source.stamps, "band": band}
+    how |= {"scale": scale, "interval_um": interval_um, "missing": missing}
+    how |= {"offset": offset} if offset else {}
+    return Step.of(read_scaled, node=node, **how)
 
 
 @in_blocks()
