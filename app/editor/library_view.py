@@ -40,6 +40,7 @@ class ModuleTree(QtWidgets.QTreeWidget):
         self.setDragDropMode(QtWidgets.QAbstractItemView.DragDropMode.DragOnly)
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.setIndentation(self.fontMetrics().averageCharWidth() * 2)
+        self._library = library
         self._texts: dict[str, tuple[str, str, str]] = {}
         self.modules: dict[str, QtWidgets.QTreeWidgetItem] = {}
         self.groups: dict[str, QtWidgets.QTreeWidgetItem] = {}
@@ -52,9 +53,9 @@ class ModuleTree(QtWidgets.QTreeWidget):
             self.modules[key] = item
         self.expandAll()
 
-    def show_presets(self, presets: Sequence[Preset], library: Library) -> None:
+    def show_presets(self, presets: Sequence[Preset]) -> None:
         """List these presets below all modules, in place of those listed before."""
-        apart = told_apart(presets, library)
+        apart = told_apart(presets, self._library)
         for key in [key for key in self.modules if key.startswith(KEY)]:
             item = self.modules.pop(key)
             self._texts.pop(key)
@@ -132,18 +133,11 @@ class LibraryView(QtWidgets.QWidget):
 
     chosen = Signal(str)  # (key): a module or preset was double-clicked, or Enter pressed on it
 
-    def __init__(
-        self,
-        library: Library,
-        parent: QtWidgets.QWidget | None = None,
-        presets: Sequence[Preset] = (),
-    ) -> None:
-        super().__init__(parent)
+    def __init__(self, library: Library) -> None:
+        super().__init__()
         labelled(self, "library", "Library")
         self.filter = search_field("library.filter", "Filter the modules", "Filter")
         self.tree = ModuleTree(library, self)
-        self._library = library
-        self.tree.show_presets(presets, library)
         filled(QtWidgets.QVBoxLayout(self), self.filter, self.tree, margins=(4, 4, 4, 4), spacing=4)
         self.setFocusProxy(self.filter)
         self.filter.textChanged.connect(self.tree.show_matching)
@@ -165,7 +159,7 @@ class LibraryView(QtWidgets.QWidget):
             item.setIcon(0, QtGui.QIcon(mark))
 
     def show_presets(self, presets: Sequence[Preset]) -> None:
-        self.tree.show_presets(presets, self._library)
+        self.tree.show_presets(presets)
         self.tree.show_matching(self.filter.text())
         self._colour_groups()
 

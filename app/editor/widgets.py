@@ -3,6 +3,7 @@
 import math
 import time
 from collections.abc import Callable, Collection, Sequence
+from functools import partial
 from typing import Any, TypeVar
 
 from PySide6 import QtGui, QtWidgets
@@ -130,10 +131,8 @@ def tool_button(
     return _worded(QtWidgets.QToolButton(parent), name, text, description, act)
 
 
-def toggle_button(
-    name: str, text: str, description: str, parent: QtWidgets.QWidget, act: Act | None = None
-) -> Toggle:
-    return _worded(Toggle(parent), name, text, description, act)
+def toggle_button(name: str, text: str, description: str, parent: QtWidgets.QWidget) -> Toggle:
+    return _worded(Toggle(parent), name, text, description, None)
 
 
 def _worded(button: B, name: str, text: str, description: str, act: Act | None) -> B:
@@ -176,6 +175,32 @@ def menu_button(
     button.setPopupMode(QtWidgets.QToolButton.ToolButtonPopupMode.InstantPopup)
     button.setMenu(Menu(button))
     return button
+
+
+def offer(
+    menu: QtWidgets.QMenu, name: str, text: str, act: Act, *, about: str = ""
+) -> QtGui.QAction:
+    action = menu.addAction(text.replace("&", "&&"))
+    action.setObjectName(name)
+    if about:
+        action.setToolTip(about)
+    action.triggered.connect(partial(without_argument, act))
+    return action
+
+
+def line_in_menu(
+    menu: QtWidgets.QMenu, text: str, name: str
+) -> tuple[QtWidgets.QLineEdit, QtWidgets.QWidgetAction]:
+    """A line to type in that can be added to a menu, with a label of that text before it."""
+    line = QtWidgets.QWidget(menu)
+    label, edit = QtWidgets.QLabel(text, line), QtWidgets.QLineEdit(line)
+    edit.setObjectName(name)
+    label.setBuddy(edit)
+    filled(QtWidgets.QHBoxLayout(line), label, (edit, 1), margins=(12, 2, 12, 2))
+    line.setFocusProxy(edit)
+    action = QtWidgets.QWidgetAction(menu)
+    action.setDefaultWidget(line)
+    return edit, action
 
 
 class FlowLayout(QtWidgets.QLayout):

@@ -18,19 +18,9 @@ from app.editor.library_view import found_by
 from app.editor.messages import told
 from app.editor.theme import FAINT
 from app.editor.widgets import RIGHT, filled, labelled, search_field
+from core.editing import wiring
 from core.editing.layout import Point
 from core.editing.operations import Operation, rewire, together
-from core.editing.wiring import (
-    Bridge,
-    Candidate,
-    End,
-    Side,
-    bridged,
-    fitting,
-    refusal,
-    wired_behind,
-    wired_to,
-)
 from core.modules.declaration import Library, Port, declaration, local_key
 from core.network.macro import declared_node
 from core.network.network import Link, Network, Node
@@ -282,8 +272,8 @@ class Adding:
         `loose` is the link the wire was before; it is taken away unless something takes its place.
         """
         surface = self._surface
-        end: End = (port.node.id, port.name, port.side)
-        other: Side = "input" if port.side == "output" else "output"
+        end: wiring.End = (port.node.id, port.name, port.side)
+        other: wiring.Side = "input" if port.side == "output" else "output"
         point = surface.view.scene_point(pos)
         choices = [
             self._module_choice(
@@ -291,12 +281,12 @@ class Adding:
                 partial(self._wire_to, end, candidate, point, loose),
                 port=candidate.port,
             )
-            for candidate in fitting(surface.session.library, port.types, other)
+            for candidate in wiring.fitting(surface.session.library, port.types, other)
         ]
         if other == "input":
             choices += [
                 self._remote_choice(end, bridge, point, loose)
-                for bridge in bridged(surface.session.library, port.types)
+                for bridge in wiring.bridged(surface.session.library, port.types)
             ]
         if loose is not None:
             choices.insert(0, Choice(f"Disconnect {loose}", self._disconnect_loose))
@@ -356,12 +346,12 @@ class Adding:
         )
 
     def _remote_choice(
-        self, end: End, bridge: Bridge, point: QPointF, loose: Link | None
+        self, end: wiring.End, bridge: wiring.Bridge, point: QPointF, loose: Link | None
     ) -> Choice:
         transform, _, candidate = bridge
         title = declaration(self._surface.session.library[transform.module]).title
-        wiring = partial(self._wire_behind, end, bridge, point, loose)
-        choice = self._module_choice(candidate.module, wiring, port=f"after {title}")
+        leading = partial(self._wire_behind, end, bridge, point, loose)
+        choice = self._module_choice(candidate.module, leading, port=f"after {title}")
         about = (
             f"The module's input is of type {candidate.port}: {title} is inserted first.\n"
             f"{choice.tip}"
@@ -375,30 +365,34 @@ class Adding:
         if session.do(operation):
             show_new(self._surface, name)
 
-    def _wire_to(self, end: End, candidate: Candidate, point: QPointF, loose: Link | None) -> None:
+    def _wire_to(
+        self, end: wiring.End, candidate: wiring.Candidate, point: QPointF, loose: Link | None
+    ) -> None:
         at = self._place(end, candidate, point)
-        self._wire(loose, partial(wired_to, end=end, candidate=candidate, at=at))
+        self._wire(loose, partial(wiring.wired_to, end=end, candidate=candidate, at=at))
 
-    def _wire_behind(self, end: End, bridge: Bridge, point: QPointF, loose: Link | None) -> None:
+    def _wire_behind(
+        self, end: wiring.End, bridge: wiring.Bridge, point: QPointF, loose: Link | None
+    ) -> None:
         places = two_places(self._surface, bridge, self._place(end, bridge[0], point))
-        self._wire(loose, partial(wired_behind, end=end, bridge=bridge, places=places))
+        self._wire(loose, partial(wiring.wired_behind, end=end, bridge=bridge, places=places))
 
-    def _place(self, end: End, candidate: Candidate, point: QPointF) -> Point:
+    def _place(self, end: wiring.End, candidate: wiring.Candidate, point: QPointF) -> Point:
         """Where a new node's port is at the end of the wire that was drawn."""
         surface = self._surface
         node = Node(local_key(candidate.module), candidate.module)
         face = face_of(node, declaration(surface.session.library[candidate.module]), ())
-        side: Side = "input" if end[2] == "output" else "output"
+        side: wiring.Side = "input" if end[2] == "output" else "output"
         corner = point - geometry_of(face, surface.content.style).ports[side, candidate.port]
         return free_place(surface, candidate.module, (corner.x(), corner.y()))
 
     def _wire(
-        self, loose: Link | None, wiring: Callable[[Network, Library], tuple[str, Operation]]
+        self, loose: Link | None, leading: Callable[[Network, Library], tuple[str, Operation]]
     ) -> None:
         surface, session = self._surface, self._surface.session
         removing = rewire(remove=(loose,) if loose is not None else ())
         with told(session.message.emit):
-            name, operation = wiring(removing.apply(session.network), session.library)
+            name, operation = leading(removing.apply(session.network), session.library)
             if session.do(together((removing, operation), operation.text)):
                 show_new(surface, name)
 
@@ -444,7 +438,7 @@ def _between(
             old = taken.get(entry.name)
             if old == link or not set(output.types) & set(entry.types):
                 continue
-            if refusal(network, library, link) is None:
+            if wiring.refusal(network, library, link) is None:
                 remark = f"instead of {old.source}.{old.output}" if old is not None else ""
                 yield 2 if old is not None else 0 if entry.required else 1, link, remark
 

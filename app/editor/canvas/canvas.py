@@ -11,7 +11,7 @@ from PySide6.QtCore import QEvent, QPoint, QPointF, QRect, Qt, Signal
 from PySide6.QtGui import QAction, QContextMenuEvent, QKeyEvent
 from PySide6.QtWidgets import QHBoxLayout, QMenu, QToolButton, QVBoxLayout, QWidget
 
-from app.editor import widgets
+from app.editor import declared_text, widgets
 from app.editor.canvas.adding import Adding, ChoicePopup
 from app.editor.canvas.canvas_style import COLOUR, TINTS, CanvasStyle
 from app.editor.canvas.canvas_view import GraphView, Minimap
@@ -20,7 +20,6 @@ from app.editor.canvas.mouse import Mouse, add_dot, backdrop_at, moved_together,
 from app.editor.canvas.node_item import BackdropItem
 from app.editor.canvas.node_thumbnails import NodeThumbnails
 from app.editor.canvas.placing import Dropping, Surface
-from app.editor.declared_text import tip
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.panels.fields.type_in import TypeIn
 from app.editor.session import Level
@@ -408,9 +407,9 @@ class Crumbs(QWidget):
         about = "Leave this macro and show the network around it (Alt+PgUp)"
         self.up = self._button("crumbs.up", "↑ Up", about)
         self.up.clicked.connect(level.leave)
-        widgets.filled(self._row, self.up, margins=None)
+        self._way = QWidget(self)
+        widgets.filled(self._row, self.up, self._way, margins=None)
         self.steps: list[QToolButton] = []
-        self._arrows: list[QWidget] = []
         self._names: tuple[str, ...] = ()
         for signal in (level.opened, level.changed, level.session.state_changed):
             signal.connect(self._fill)
@@ -425,23 +424,20 @@ class Crumbs(QWidget):
         if (name, *path) == self._names:  # as after most edits
             return
         self._names = (name, *path)
-        for old in (*self.steps, *self._arrows):
-            self._row.removeWidget(old)
-            old.hide()
-            old.deleteLater()
-        self.steps, self._arrows = [], []
+        self._way.hide()
+        self._way.deleteLater()
+        self._way, self.steps = QWidget(self), []
+        row = widgets.filled(QHBoxLayout(self._way), spacing=2)
         for depth, text in enumerate((name, *path)):
             button = self._button(f"crumb.{depth}", text, f"Show the nodes of {text}")
             button.setEnabled(depth < len(path))
             going = partial(self._level.go_to, path[:depth])
             button.clicked.connect(partial(widgets.without_argument, going))
-            if depth:
-                self._arrows.append(widgets.plain_label("", self, "›", role=FAINT))
-                widgets.filled(self._row, self._arrows[-1], margins=None)
-            widgets.filled(self._row, button, margins=None)
+            arrow = (widgets.plain_label("", self._way, "›", role=FAINT),) if depth else ()
+            widgets.filled(row, *arrow, button, margins=None)
             self.steps.append(button)
-        for widget in (*self.steps, *self._arrows):
-            widget.show()
+        widgets.filled(self._row, self._way, margins=None)
+        self._way.show()
         self._row.activate()
         self.resize(self.sizeHint())
         self.raise_()
@@ -449,7 +445,7 @@ class Crumbs(QWidget):
     def _button(self, name: str, text: str, about: str) -> QToolButton:
         button = widgets.tool_button(name, text.replace("&", "&&"), about, self)
         button.setAutoRaise(True)
-        button.setToolTip(tip(about))
+        button.setToolTip(declared_text.tip(about))
         return button
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 
 from PySide6.QtCore import QPoint, QPointF, QRect, QRectF, QSizeF, Qt
@@ -194,7 +194,7 @@ class Mouse:
         hit = surface.hit(surface.view.scene_point(pos))
         adding = bool(keys & (_SHIFT | _CTRL))
         if hit.port is not None:
-            return _WireDrag(surface, pos, hit.port, self._dropped).gesture
+            return _wire_drag(surface, pos, hit.port, self._dropped)
         if hit.node is not None:
             return self._on_node(hit.node.id, pos, adding, showing=keys == _VIEWING)
         self._marks.choose(hit.wire.link if hit.wire else None, hit.backdrop, hit.dot)
@@ -236,94 +236,84 @@ class Mouse:
 Dropped = Callable[[NodePort, Link | None, QPoint], None]
 
 
-class _WireDrag:
+def _wire_drag(surface: Surface, pos: QPoint, port: NodePort, dropped: Dropped) -> Gesture:
     """Draw a wire from a port, or pick one up at an input; `dropped` ends it on empty ground."""
+    session, content, viewport = surface.session, surface.content, surface.view.viewport()
+    at_input = content.wires_at(port.node.id) if port.side == "input" else ()
+    carried = next((wire for wire in at_input if wire.input_port is port), None)
+    fixed: NodePort = carried.output_port if carried is not None else port
+    old = carried.link if carried is not None else None
+    without = session.network if old is None else rewire(remove=(old,)).apply(session.network)
+    begun = False
 
-    def __init__(self, surface: Surface, pos: QPoint, port: NodePort, dropped: Dropped) -> None:
-        self._surface = surface
-        self.gesture = Gesture(surface, pos, self._drag, self._drop, self._leave)
-        at_input = surface.content.wires_at(port.node.id) if port.side == "input" else ()
-        self._carried = next((wire for wire in at_input if wire.input_port is port), None)
-        self._fixed: NodePort = self._carried.output_port if self._carried else port
-        self._dropped = dropped
-        self._network = surface.session.network
-        if self._carried is not None:
-            self._network = rewire(remove=(self._carried.link,)).apply(self._network)
-        self._begun = False
+    def refused(other: NodePort) -> str | None:
+        if other.side == fixed.side:
+            return f"a wire connects an output to an input; {other.name} is another {other.side}"
+        return wiring.refusal(without, session.library, link_between(fixed, other))
 
-    def _drag(self, pos: QPoint, point: QPointF) -> None:
-        surface = self._surface
-        if self._carried is not None:
-            self._carried.setVisible(False)
-        if not self._begun:
-            self._mark(lambda port: None if port is self._fixed else not self._refusal(port))
-        port, refused = self._target(point)
-        end = port.centre() if port is not None and not refused else point
-        ends = (self._fixed.centre(), end)
-        if self._fixed.side == "input":
-            ends = (end, self._fixed.centre())
-        style = surface.content.style
-        colour = style.error if refused else style.port(self._fixed.types)
-        surface.live.show_wire(*ends, colour)
-        viewport = surface.view.viewport()
-        QToolTip.showText(viewport.mapToGlobal(pos), refused or "", viewport)
-        shape = Qt.CursorShape.ForbiddenCursor if refused else Qt.CursorShape.CrossCursor
-        viewport.setCursor(shape)
+    def target(point: QPointF) -> tuple[NodePort | None, str | None]:
+        near, node = port_near(content, point, surface.view.zoom), node_at(content, point)
+        if near is not None and near is not fixed:
+            return near, refused(near)
+        if near is fixed or node is None or node is fixed.node:
+            return None, None
+        if carried is not None and node is carried.input_port.node:
+            return carried.input_port, None
+        others = [other for other in node.ports.values() if other.side != fixed.side]
+        return _fitting(node.id, [other for other in others if refused(other) is None], fixed)
 
-    def _drop(self, pos: QPoint, point: QPointF) -> None:
-        session = self._surface.session
-        old = self._carried.link if self._carried is not None else None
-        port, refused = self._target(point)
-        if refused:
-            session.message.emit("error", refused)
-        elif port is not None:
-            new = link_between(self._fixed, port)
-            session.do(rewire(add=(new,), remove=(old,) if old else (), label=f"Connect {new}"))
-        else:
-            self._dropped(self._fixed, old, pos)
-
-    def _leave(self) -> None:
-        surface = self._surface
-        surface.live.setVisible(False)
-        QToolTip.hideText()
-        surface.view.viewport().unsetCursor()
-        if self._carried is not None:
-            self._carried.setVisible(True)
-        self._mark(lambda _: None)
-
-    def _mark(self, fits: Callable[[NodePort], bool | None]) -> None:
-        self._begun = True
-        for item in self._surface.content.nodes.values():
-            for port in item.ports.values():
-                port.fits = fits(port)
+    def mark(fits: Callable[[NodePort], bool | None]) -> None:
+        for item in content.nodes.values():
+            for other in item.ports.values():
+                other.fits = fits(other)
             item.update()
 
-    def _target(self, point: QPointF) -> tuple[NodePort | None, str | None]:
-        content = self._surface.content
-        port = port_near(content, point, self._surface.view.zoom)
-        if port is self._fixed:
-            return None, None
-        if port is not None:
-            return port, self._refusal(port)
-        node = node_at(content, point)
-        if node is None or node is self._fixed.node:
-            return None, None
-        if self._carried is not None and node is self._carried.input_port.node:
-            return self._carried.input_port, None
-        others = [other for other in node.ports.values() if other.side != self._fixed.side]
-        fitting = [other for other in others if self._refusal(other) is None]
-        free = [other for other in fitting if not (other.wires and other.side == "input")]
-        if fitting:
-            return (free or fitting)[0], None
-        side = "input" if self._fixed.side == "output" else "output"
-        kinds = " or ".join(self._fixed.types) or "this wire"
-        return None, f"{node.id} has no {side} for {kinds}"
+    def drag(pos: QPoint, point: QPointF) -> None:
+        nonlocal begun
+        if carried is not None:
+            carried.setVisible(False)
+        if not begun:
+            begun = True
+            mark(lambda other: None if other is fixed else not refused(other))
+        found, why_not = target(point)
+        end = found.centre() if found is not None and not why_not else point
+        ends = (fixed.centre(), end) if fixed.side == "output" else (end, fixed.centre())
+        style = content.style
+        surface.live.show_wire(*ends, style.error if why_not else style.port(fixed.types))
+        QToolTip.showText(viewport.mapToGlobal(pos), why_not or "", viewport)
+        shape = Qt.CursorShape.ForbiddenCursor if why_not else Qt.CursorShape.CrossCursor
+        viewport.setCursor(shape)
 
-    def _refusal(self, port: NodePort) -> str | None:
-        if port.side == self._fixed.side:
-            return f"a wire connects an output to an input; {port.name} is another {port.side}"
-        link = link_between(self._fixed, port)
-        return wiring.refusal(self._network, self._surface.session.library, link)
+    def drop(pos: QPoint, point: QPointF) -> None:
+        found, why_not = target(point)
+        if why_not:
+            session.message.emit("error", why_not)
+        elif found is not None:
+            new = link_between(fixed, found)
+            session.do(rewire(add=(new,), remove=(old,) if old else (), label=f"Connect {new}"))
+        else:
+            dropped(fixed, old, pos)
+
+    def leave() -> None:
+        surface.live.setVisible(False)
+        QToolTip.hideText()
+        viewport.unsetCursor()
+        if carried is not None:
+            carried.setVisible(True)
+        mark(lambda _: None)
+
+    return Gesture(surface, pos, drag, drop, leave)
+
+
+def _fitting(
+    node: str, fitting: Sequence[NodePort], fixed: NodePort
+) -> tuple[NodePort | None, str | None]:
+    """The first of a node's ports that fit, of inputs one that is free; else why there is none."""
+    free = [other for other in fitting if not (other.wires and other.side == "input")]
+    if fitting:
+        return (free or fitting)[0], None
+    side = "input" if fixed.side == "output" else "output"
+    return None, f"{node} has no {side} for {' or '.join(fixed.types) or 'this wire'}"
 
 
 def link_between(one: NodePort, other: NodePort) -> Link:

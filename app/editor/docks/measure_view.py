@@ -9,12 +9,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from PySide6 import QtWidgets
+from PySide6 import QtGui, QtWidgets
 from PySide6.QtCore import QMimeData, QSignalBlocker, QSize, Qt, Signal
-from PySide6.QtGui import QDragEnterEvent, QDropEvent, QKeyEvent
 
-from app.editor import messages, widgets
-from app.editor.declared_text import error_text
+from app.editor import declared_text, messages, widgets
 from app.editor.docks.edges import EdgeCanvas, EdgeTable, FigureTable, MtfChart, edge_words
 from app.editor.evaluation.queries import as_error
 from app.editor.session import Session
@@ -94,14 +92,12 @@ class WorkerView(QtWidgets.QWidget):
         raise NotImplementedError
 
     def show_progress(self, what: Any) -> None:
-        """Show what the job has come to."""
         raise NotImplementedError
 
     def show_result(self, result: Any) -> None:
         raise NotImplementedError
 
     def show_end(self, text: str, *, failed: bool = False) -> None:
-        """Say why there is no result."""
         self._say(text, failed=failed)
         self._show_buttons()
 
@@ -141,7 +137,7 @@ class WorkerView(QtWidgets.QWidget):
         try:
             result = job(stop, partial(say, self.show_progress))
         except Exception as raised:
-            say(partial(self.show_end, failed=True), error_text(as_error(raised)))
+            say(partial(self.show_end, failed=True), declared_text.error_text(as_error(raised)))
         else:
             say(self.show_result, result)
 
@@ -156,18 +152,18 @@ class WorkerView(QtWidgets.QWidget):
         line = self.fontMetrics().height()
         return QSize(48 * line, 21 * line)
 
-    def keyPressEvent(self, event: QKeyEvent) -> None:
+    def keyPressEvent(self, event: QtGui.QKeyEvent) -> None:
         if event.key() == Qt.Key.Key_Escape and self.busy:
             self.cancel()
             event.accept()
         else:
             super().keyPressEvent(event)
 
-    def dragEnterEvent(self, event: QDragEnterEvent) -> None:
+    def dragEnterEvent(self, event: QtGui.QDragEnterEvent) -> None:
         if _dropped(event.mimeData()):
             widgets.accept_copy(event)
 
-    def dropEvent(self, event: QDropEvent) -> None:
+    def dropEvent(self, event: QtGui.QDropEvent) -> None:
         widgets.accept_copy(event)
         if event.isAccepted():
             self.take_files(_dropped(event.mimeData()))
@@ -179,7 +175,6 @@ class WorkerView(QtWidgets.QWidget):
         self.status.show_text(text, failed=failed)
 
     def _show_buttons(self) -> None:
-        """Enable what can be done now."""
         raise NotImplementedError
 
 

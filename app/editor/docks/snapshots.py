@@ -450,8 +450,8 @@ def _state_of(item: Any) -> Any:
 class HistoryList(QtWidgets.QListWidget):
     """The present step is bold, undone ones are italic; a click or Enter goes to a step."""
 
-    def __init__(self, session: Session, parent: QtWidgets.QWidget | None = None) -> None:
-        super().__init__(parent, textElideMode=Qt.TextElideMode.ElideMiddle)
+    def __init__(self, session: Session) -> None:
+        super().__init__(textElideMode=Qt.TextElideMode.ElideMiddle)
         tip = "Edits of this network; click an edit or press Enter to go back or forward to it"
         labelled(self, "history", "History", tip)
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)

@@ -7,7 +7,6 @@ from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from PySide6 import QtGui
 from PySide6.QtCore import QEvent, QPointF, QRectF, QSize, Qt, QTimer, Signal
 from PySide6.QtWidgets import QComboBox, QCompleter, QGridLayout, QLineEdit, QWidget
@@ -16,6 +15,7 @@ from app.editor.declared_text import label_of, shown_number, tip, titled
 from app.editor.panels.chart import Chart, ChartWidget, ordinate_ticks, room_for_ticks
 from app.editor.panels.fields.number import LARGEST_WHOLE_RANGE, scale_of
 from app.editor.session import Session
+from app.editor.viewers.plot.plotted_lines import Line
 from app.editor.viewers.viewer import VALUE, NodeChoice, entry
 from app.editor.widgets import centred_hint, filled, is_escape, labelled, show_or_hide
 from app.run.overrides import MOST, OPTION, Variation, is_number, spaced, variation
@@ -27,7 +27,6 @@ from core.modules.preview import Axis
 from core.network.network import MACRO
 from core.records import dataclass
 
-Vector = NDArray[np.float64]
 DECADES_FROM = 100.0  # the largest over the smallest value, from which on decades are shown
 FAINTEST = 1e-9  # of the largest value: what is below is not resolved
 _MOST_DOTS = 40
@@ -36,12 +35,7 @@ _WIDE = 11  # lines of text, the least width of a chart beside others
 _STEPS = {Qt.Key.Key_Right: 1, Qt.Key.Key_Left: -1, Qt.Key.Key_PageUp: 10, Qt.Key.Key_PageDown: -10}
 
 
-@dataclass(frozen=True, eq=False)
-class Graph:
-    name: str
-    title: str
-    x: Vector
-    y: Vector
+Graph = tuple[str, Line]  # with its title
 
 
 class FigureChart(ChartWidget):
@@ -63,6 +57,7 @@ class FigureChart(ChartWidget):
         if span is None:
             return
         graph = plots.graphs[index]
+        line = graph[1]
         metrics = QtGui.QFontMetricsF(painter.font())
         rows = (ordinate_ticks(_ordinate(each), area.height(), metrics) for each in plots.graphs)
         left = max(room_for_ticks(ticks, metrics) for ticks in rows)  # so that frames line up
@@ -70,10 +65,10 @@ class FigureChart(ChartWidget):
         x = Axis(span.low, span.high, title, log=span.log)
         chart = Chart(painter, area, x, _ordinate(graph), self.theme, left=left)
         colour, frame = self.theme.curves[index % len(self.theme.curves)], chart.frame
-        chart.curve(graph.x, graph.y, colour)
-        if len(graph.x) <= _MOST_DOTS:
-            known = np.isfinite(graph.y)
-            chart.dots(graph.x[known], graph.y[known], colour, 2.0)
+        chart.curve(line.x, line.y, colour)
+        if len(line.x) <= _MOST_DOTS:
+            known = np.isfinite(line.y)
+            chart.dots(line.x[known], line.y[known], colour, 2.0)
         if plots.mark is not None and span.low <= plots.mark <= span.high:
             place = frame.left() + span.share(plots.mark) * frame.width()
             painter.setPen(QtGui.QPen(QtGui.QColor(self.theme.accent), 2.0))
@@ -187,14 +182,15 @@ class TradeOffPlots(QWidget):
 
 def _ordinate(graph: Graph) -> Axis:
     """Decades where the values span many, else from least to greatest with some room."""
-    values = graph.y[np.isfinite(graph.y)]
+    title, line = graph
+    values = line.y[np.isfinite(line.y)]
     low, high = (float(values.min()), float(values.max())) if len(values) else (0.0, 1.0)
     if low > 0 and high > DECADES_FROM * low:
-        return Axis(max(low, FAINTEST * high) / 1.2, high * 1.2, graph.title, log=True)
+        return Axis(max(low, FAINTEST * high) / 1.2, high * 1.2, title, log=True)
     room = 0.08 * (high - low)
     if high - low <= 1e-6 * max(abs(low), abs(high)):  # rounding is not to fill the chart
         room = 0.1 * abs(high) or 1.0
-    return Axis(low - room, high + room, graph.title)
+    return Axis(low - room, high + room, title)
 
 
 PART = 8  # values in one query: it starts anew if an edit comes

@@ -19,7 +19,7 @@ from app.editor.panels.fields.type_in import TypeIn
 from app.editor.session import Session, renamed_node
 from app.editor.viewers.plot.plot_export import have_plot_menu, save_plot
 from app.editor.viewers.plot.plot_looks import CurveList, thick
-from app.editor.viewers.plot.plotted_lines import Entry
+from app.editor.viewers.plot.plotted_lines import Entry, Line, value_at
 from app.editor.viewers.viewer import StatusLine, Viewer, ports_depend_on
 from app.editor.widgets import FlowLayout, Menu, filled, labelled, menu_button, search_field
 from app.run.overrides import Variation
@@ -51,13 +51,8 @@ _HOW = "To change the value, drag the line or press ← and →"
 class TradeOffView(Viewer):
     room = 75, 20
 
-    def __init__(
-        self,
-        session: Session,
-        evaluator: Evaluator,
-        parent: QWidget | None = None,
-    ) -> None:
-        super().__init__(session, evaluator, "tradeoff", parent)
+    def __init__(self, session: Session, evaluator: Evaluator) -> None:
+        super().__init__(session, evaluator, "tradeoff")
         self.setAccessibleName("Trade-off")
         self.varied = tradeoff_plots.Varied(session, self._refuse)
         self.span: tradeoff_plots.Span | None = None
@@ -244,7 +239,7 @@ class TradeOffView(Viewer):
             y = np.array(numbers, np.float64)
             y[~np.isfinite(y)] = np.nan
             alike = sum(other.name == figure.name for other in shown) > 1
-            graphs.append(tradeoff_plots.Graph(figure.text, title_of(figure, whose=alike), x, y))
+            graphs.append((title_of(figure, whose=alike), Line(figure.text, x, y)))
         self.plots.show_graphs(graphs, self.span, self.varied.label)
         self._show_gaps()
 
@@ -271,11 +266,10 @@ class TradeOffView(Viewer):
 
     def _read(self, value: float) -> None:
         parts = []
-        for graph in self.plots.graphs if math.isfinite(value) else ():
-            if len(graph.x) and graph.x[0] <= value <= graph.x[-1]:
-                height = float(np.interp(value, graph.x, graph.y))
-                if math.isfinite(height):
-                    parts.append(f"{graph.title.partition(' (')[0]} {shown_figure(height)}")
+        for title, line in self.plots.graphs:
+            height = value_at(line, value)
+            if height is not None:
+                parts.append(f"{title.partition(' (')[0]} {shown_figure(height)}")
         place = f"{shown_number(value)}: {', '.join(parts)}" if parts else ""
         self.status.show_more(place.replace("-", "\N{MINUS SIGN}"))
 

@@ -16,7 +16,7 @@ from core.chain.engine import Engine, Plan, PlannedNode
 from core.chain.wires import Image, Magnitude, Phase
 from core.network.network import Link, Network, Node
 from core.physics.detector.readout import dwell_time_s
-from core.records import dataclass, field, replace
+from core.records import dataclass, replace
 
 Change = frozenset[tuple[str, str] | str | Link] | None
 """Parameters by node, nodes, links and "seed"; the same edit again is equal to it."""
@@ -234,87 +234,49 @@ def reduced_network(plan: Plan, factor: int, *, edited: Collection[str] = ()) ->
     scene among the nodes that are `edited` is drawn at the reduced size, as to draw it at full size
     each time would leave nothing to gain. Others were drawn already.
     """
-    reducing = _Reducing(plan, factor, edited)
-    try:
-        for name in plan.network.order():
-            reducing.take(name)
-    except _CannotReduceError:
-        return None
-    return reducing.network() if reducing.sources else None
-
-
-class _CannotReduceError(Exception):
-    """A node has no equal for smaller pictures."""
-
-
-@dataclass
-class _Reducing:
-    """Nodes of the smaller network, and by how much the picture on each output is reduced."""
-
-    plan: Plan
-    factor: int
-    edited: Collection[str] = ()
-    nodes: dict[str, Node] = field(default_factory=dict)
-    ratios: dict[tuple[str, str], Ratio] = field(default_factory=dict)
-    binned: dict[tuple[str, str], str] = field(default_factory=dict)
-    sources: int = 0
-
-    def take(self, name: str) -> None:
-        planned = self.plan.nodes[name]
-        node = planned.node
-        self.nodes[name] = node
+    network, nodes = plan.network, dict[str, Node]()
+    ratios: dict[tuple[str, str], Ratio] = {}  # by how much the picture on an output is reduced
+    binned: dict[tuple[str, str], str] = {}  # the node behind an output that combines its samples
+    for name in network.order():
+        planned = plan.nodes[name]
+        node = nodes[name] = planned.node
         if planned.error is not None:
-            return
-        ratio = self._ratio_in(name)
-        if ratio is None:
-            self._take_source(name, planned)
-            return
-        if not planned.node.disabled:
-            params, ratio = _counted(planned, ratio)
-            self.nodes[name] = node if params is None else _with(node, params)
-        for port, value in planned.outputs.items():
-            if isinstance(value, Image | Magnitude | Phase):
-                self.ratios[name, port] = ratio
-
-    def network(self) -> Network:
-        links = []
-        for link in self.plan.network.links:
-            binning = self.binned.get((link.source, link.output))
-            links.append(link if binning is None else replace(link, source=binning, output="image"))
-        links += [Link(*port, name, "image") for port, name in self.binned.items()]
-        return replace(self.plan.network, nodes=self.nodes, links=tuple(links), layout={})
-
-    def _ratio_in(self, name: str) -> Ratio | None:
-        """By how much the pictures that come in are reduced; None where there are none."""
-        ratios = {
-            self.ratios[link.source, link.output]
-            for link in self.plan.network.links_into(name)
-            if (link.source, link.output) in self.ratios
-        }
-        if len(ratios) > 1:
-            raise _CannotReduceError
-        return ratios.pop() if ratios else None
-
-    def _take_source(self, name: str, planned: PlannedNode) -> None:
-        k = self.factor
+            continue
+        ends = [(link.source, link.output) for link in network.links_into(name)]
+        coming = {ratios[end] for end in ends if end in ratios}
+        if len(coming) > 1:
+            return None
+        if coming:
+            ratio = coming.pop()
+            if not node.disabled:
+                if node.module == "noise_file" and ratio != (1, 1):
+                    return None
+                params, ratio = _counted(planned, ratio)
+                nodes[name] = node if params is None else _with(node, params)
+            for port, value in planned.outputs.items():
+                if isinstance(value, Image | Magnitude | Phase):
+                    ratios[name, port] = ratio
+            continue
         images = [(p, value) for p, value in planned.outputs.items() if isinstance(value, Image)]
         for port, value in images:
-            if value.rows < k * SMALLEST or value.columns < k * SMALLEST:
-                raise _CannotReduceError
-            self.sources += 1
-            self.ratios[name, port] = (k, k)
-            if _draws_itself_smaller(planned, k, self.edited):
-                size = {"width": value.columns // k, "height": value.rows // k}
-                self.nodes[name] = _with(planned.node, size)
+            if min(value.rows, value.columns) < factor * SMALLEST:
+                return None
+            ratios[name, port] = (factor, factor)
+            if _draws_itself_smaller(planned, factor, edited):
+                size = {"width": value.columns // factor, "height": value.rows // factor}
+                nodes[name] = _with(node, size)
                 continue
-            binning = self._free_name(f"{name} reduced")
-            self.nodes[binning] = Node(binning, BINNING, {"factor_x": k, "factor_y": k})
-            self.binned[name, port] = binning
-
-    def _free_name(self, name: str) -> str:
-        while name in self.nodes or name in self.plan.nodes:
-            name += "_"
-        return name
+            binning = f"{name} reduced"
+            while binning in nodes or binning in plan.nodes:
+                binning += "_"
+            nodes[binning] = Node(binning, BINNING, {"factor_x": factor, "factor_y": factor})
+            binned[name, port] = binning
+    links = []
+    for link in network.links:
+        behind = binned.get((link.source, link.output))
+        links.append(link if behind is None else replace(link, source=behind, output="image"))
+    links += [Link(*port, name, "image") for port, name in binned.items()]
+    return replace(network, nodes=nodes, links=tuple(links), layout={}) if ratios else None
 
 
 def _counted(planned: PlannedNode, ratio: Ratio) -> tuple[Mapping[str, Any] | None, Ratio]:
@@ -325,8 +287,6 @@ def _counted(planned: PlannedNode, ratio: Ratio) -> tuple[Mapping[str, Any] | No
         return _combined(planned, ratio)
     if key == "sample_pixels":
         return _sampled(planned, ratio), (1, 1)
-    if key == "noise_file":
-        raise _CannotReduceError
     count = IN_SAMPLES.get(key)
     return (count(planned, ratio) if count is not None else None), ratio
 

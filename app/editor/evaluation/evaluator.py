@@ -12,18 +12,8 @@ from typing import Any
 from PySide6.QtCore import QObject, Qt, QTimer, Signal
 from PySide6.QtGui import QGuiApplication
 
+from app.editor.evaluation import queries
 from app.editor.evaluation.changes import computes_alike
-from app.editor.evaluation.queries import (
-    Badge,
-    Busy,
-    Inbox,
-    Outbox,
-    PassDone,
-    Query,
-    Request,
-    Snapshot,
-    with_macros,
-)
 from app.editor.evaluation.runner import PAUSE_S, Runner
 from app.editor.session import Session
 from core.chain.engine import Plan
@@ -77,19 +67,19 @@ class Evaluator(QObject):
     ) -> None:
         super().__init__(parent)
         self._session = session
-        self._inbox = Inbox()
+        self._inbox = queries.Inbox()
         bell = _Bell()
         bell.rung.connect(self._rung, Qt.ConnectionType.QueuedConnection)
         self._drawing = QTimer(
             self, singleShot=True, interval=FRAME_MS, timerType=Qt.TimerType.PreciseTimer
         )
         self._drawing.timeout.connect(self._rung)
-        self._outbox = Outbox(bell.ring)
+        self._outbox = queries.Outbox(bell.ring)
         store = Store() if store is None else store
         boxes = (self._inbox, self._outbox)
         self._runner = Runner(session.library, policy or Policy(), store, *boxes)
         self._thread: threading.Thread | None = None
-        self._requests: dict[str, tuple[Request, ...]] = {}
+        self._requests: dict[str, tuple[queries.Request, ...]] = {}
         self._least: dict[str, int] = {}  # generation of an answer that is still of use
         self._numbers = itertools.count(1)
         self.generation = self._finished = 0
@@ -98,9 +88,9 @@ class Evaluator(QObject):
         self._edited_at = time.perf_counter()
         self.plan: Plan | None = None  # of the network as it was planned last
         self.posted: Network | None = None  # as it is computed; `plan` has it once it is planned
-        self._badges: Mapping[str, Badge] = {}
-        self._shown_badges: dict[str, Badge] = {}
-        self._busy: Busy | None = None
+        self._badges: Mapping[str, queries.Badge] = {}
+        self._shown_badges: dict[str, queries.Badge] = {}
+        self._busy: queries.Busy | None = None
         self._behind = False
         self._closed = False
         self._soon = QTimer(self, singleShot=True, interval=0)
@@ -118,15 +108,16 @@ class Evaluator(QObject):
         return self._finished == self.generation and not self._soon.isActive()
 
     @property
-    def badges(self) -> dict[str, Badge]:
+    def badges(self) -> dict[str, queries.Badge]:
         return dict(self._shown_badges)
 
-    def ask(self, owner: str, queries: Sequence[Query]) -> None:
+    def ask(self, owner: str, wanted: Sequence[queries.Query]) -> None:
         """Keep these queries answered from now on, in place of those the owner had before."""
         before = self._requests.get(owner)
         known = {request.query: request for request in before or ()}
         requests = tuple(
-            known.get(query) or Request(owner, query, next(self._numbers)) for query in queries
+            known.get(query) or queries.Request(owner, query, next(self._numbers))
+            for query in wanted
         )
         if requests != before:
             self._least.setdefault(owner, self.generation + 1)
@@ -195,7 +186,7 @@ class Evaluator(QObject):
         requests = tuple(itertools.chain(*self._requests.values())) if planned else ()
         state = (self.generation, self._document, self.posted, self._session.folder, requests)
         counts = (self._edits, self._generates, self._gestures, self._edited_at)
-        self._inbox.tell(newest=Snapshot(*state, *counts, only_planned=not planned))
+        self._inbox.tell(newest=queries.Snapshot(*state, *counts, only_planned=not planned))
         if not self._look.isActive():
             self._look.start()
 
@@ -259,7 +250,7 @@ class Evaluator(QObject):
         if position is not None and position.seconds > PATIENCE_S:
             node = position.node  # a preview has nodes that the document has not
             node = node if node in self._session.network.nodes else None
-            busy = Busy(node, position.seconds, position.done, position.wanted)
+            busy = queries.Busy(node, position.seconds, position.done, position.wanted)
         self._set_busy(busy)
         self._emit_badges()
 
@@ -267,7 +258,7 @@ class Evaluator(QObject):
         self._look.stop()
         self._set_busy(None)
 
-    def _set_busy(self, busy: Busy | None) -> None:
+    def _set_busy(self, busy: queries.Busy | None) -> None:
         if busy != self._busy:
             self._busy = busy
             self.busy_changed.emit(busy)
@@ -275,8 +266,8 @@ class Evaluator(QObject):
     def _emit_badges(self) -> None:
         shown = dict(self._badges)
         if self._busy is not None and self._busy.node is not None:
-            shown[self._busy.node] = Badge("running", "computing")
-        shown = with_macros(shown, self._session.network)
+            shown[self._busy.node] = queries.Badge("running", "computing")
+        shown = queries.with_macros(shown, self._session.network)
         if shown != self._shown_badges:
             self._shown_badges = shown
             self.badges_changed.emit(dict(shown))
@@ -362,7 +353,7 @@ class Freshness(QObject):
             self._late.start()
 
     def _pass_done(self, done: Any) -> None:
-        if isinstance(done, PassDone) and done.reduced == 1 and not done.cancelled:
+        if isinstance(done, queries.PassDone) and done.reduced == 1 and not done.cancelled:
             self.catch_up(done.generation)
 
     def _set(self, old: bool) -> None:

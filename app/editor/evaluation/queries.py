@@ -368,18 +368,12 @@ def _after(network: Network, node: str) -> set[str]:
     return dependents
 
 
-# Failures of our own, as errors of one line.
-
-
-class OwnFailure(ImagechainError):
-    """The program has failed, not its input."""
-
-
-def as_error(error: Exception, node: str | None = None) -> ImagechainError:
+def as_error(error: Exception) -> ImagechainError:
     if isinstance(error, ImagechainError) and not isinstance(error, Cancelled):
         return error
     if isinstance(error, MemoryError):
-        text = "not enough memory: make the picture smaller, or close other pictures"
-        return OwnFailure(text, node=node)
+        return ImagechainError(
+            "not enough memory: make the picture smaller, or close other pictures"
+        )
     reason = " ".join(str(error).split())[:200]
-    return OwnFailure(f"internal error: {type(error).__name__}: {reason}", node=node)
+    return ImagechainError(f"internal error: {type(error).__name__}: {reason}")

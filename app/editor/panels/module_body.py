@@ -34,7 +34,6 @@ from app.editor.panels.fields.field import (
     TextField,
     choices_of,
 )
-from app.editor.panels.fields.field_menu import offer
 from app.editor.panels.fields.number import NumberField, PathField
 from app.editor.theme import CHANGED, FAINT, TEXT, set_ink, theme_of
 from app.editor.viewers.viewer import PLOT_TYPES, VIEWER_NUMBERS, Viewer
@@ -132,7 +131,7 @@ class PortsView(QWidget):
             button.setPopupMode(QToolButton.ToolButtonPopupMode.MenuButtonPopup)
             menu = widgets.Menu(button)
             for number in VIEWER_NUMBERS:
-                offer(menu, "", f"Viewer {number}", partial(self._view, place, number))
+                widgets.offer(menu, "", f"Viewer {number}", partial(self._view, place, number))
             button.setMenu(menu)
         self._buttons[place] = button
         row = self._grid.rowCount()
@@ -289,7 +288,10 @@ class SectionsView(QWidget):
 
     def _show_sections(self) -> None:
         values = {field.parameter.name: field.value for field in self.fields}
-        self._narrow(values)
+        for offered in filter(None, (section.offer for section in self.sections)):
+            field = self.field(offered.parameter)
+            if isinstance(field, ButtonsField):
+                field.narrow(offered.of(values[offered.by], field.choices))
         met = [
             section.shown_when is None or values.get(section.shown_when[0]) in section.shown_when[1]
             for section in self.sections
@@ -301,12 +303,6 @@ class SectionsView(QWidget):
             box.setVisible(fits and section.page in ("", page))
         if hidden != [box.isHidden() for box in self._boxes]:
             self._line_up(self.width() if self.isVisible() else _AT_FIRST)
-
-    def _narrow(self, values: Mapping[str, Any]) -> None:
-        for offered in filter(None, (section.offer for section in self.sections)):
-            field = self.field(offered.parameter)
-            if isinstance(field, ButtonsField):
-                field.narrow(offered.of(values[offered.by], field.choices))
 
 
 def _differs(params: Mapping[str, Any], name: str, raw: Any) -> bool:

@@ -15,7 +15,6 @@ from app.editor import declared_text, messages, theme, widgets
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.queries import Badge
 from app.editor.panels.fields.field import PanelNode, Requests, copy_values, paste_values
-from app.editor.panels.fields.field_menu import line_in_menu, offer
 from app.editor.panels.fields.type_in import TypeIn, discard_typing
 from app.editor.panels.head import PanelHead, TitleBar
 from app.editor.panels.module_body import ModuleBody, UnknownBody
@@ -439,15 +438,15 @@ class SetsMenu(widgets.Menu):
             sets = sets_of(node.module, self._folder)
         for name in sets:
             about = f"Set every parameter to its value in {name}"
-            offer(self, f"set.{name}", name, partial(self._take, name, sets), about=about)
+            widgets.offer(self, f"set.{name}", name, partial(self._take, name, sets), about=about)
         if sets:
             removing = widgets.Menu("Remove", self)
             self.addMenu(removing)
             removing.setObjectName("sets.remove")
             for name in sets:
-                offer(removing, f"remove.{name}", name, partial(self._remove, name))
+                widgets.offer(removing, f"remove.{name}", name, partial(self._remove, name))
             self.addSeparator()
-        edit, action = line_in_menu(self, "Save as", "set_name")
+        edit, action = widgets.line_in_menu(self, "Save as", "set_name")
         edit.setPlaceholderText("name")
         edit.setAccessibleName("name to save these parameters under")
         edit.setToolTip("Press Enter to save the current parameters under this name")

@@ -16,7 +16,7 @@ from app.editor.theme import ERROR, TEXT, Theme, theme_of
 from app.editor.widgets import ElidedLabel, filled, set_role
 from core.modules.declaration import Library
 from core.network.macro import declared_node
-from core.network.network import Network, Node, passed_through
+from core.network.network import Network, passed_through
 from core.records import replace
 
 
@@ -166,13 +166,10 @@ def followed(port: str, before: Network, after: Network) -> str | None:
     come = [new for new in after.nodes if new not in before.nodes]
     old = before.nodes.get(name)
     for new in come:
-        if old is not None and _alike(old, after.nodes[new]):
+        now = after.nodes[new]
+        if old is not None and replace(old, id=new, noise=now.noise) == now:
             return f"{new}.{output}"
     return None
-
-
-def _alike(old: Node, new: Node) -> bool:
-    return replace(old, id=new.id, noise=new.noise) == new
 
 
 VALUE = Qt.ItemDataRole.UserRole

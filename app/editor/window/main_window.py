@@ -401,9 +401,7 @@ class MainWindow(QMainWindow):
     def _make_room(self, *, empty: bool) -> None:
         if not empty and self.layout_in_use.lacks_docks:  # the first node stays in sight
             view, content = self.canvas.view, self.canvas.content
-            QTimer.singleShot(
-                _LAID_OUT_MS, view, lambda: view.make_visible(content.bounds())
-            )  # unless the window was closed meanwhile
+            QTimer.singleShot(_LAID_OUT_MS, view, lambda: view.make_visible(content.bounds()))
         self.layout_in_use.make_room(empty=empty)
         self.figures.setHidden(empty)
 

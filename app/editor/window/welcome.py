@@ -28,8 +28,8 @@ class WelcomePage(QtWidgets.QScrollArea):
     back_wanted = Signal()  # show the network again
     recovered = Signal(object)  # (work): open work that a crash left behind: a `Recovered`
 
-    def __init__(self, parent: QtWidgets.QWidget | None = None) -> None:
-        super().__init__(parent, widgetResizable=True, frameShape=QtWidgets.QFrame.Shape.NoFrame)
+    def __init__(self) -> None:
+        super().__init__(widgetResizable=True, frameShape=QtWidgets.QFrame.Shape.NoFrame)
         labelled(self, "welcome", "Welcome page")
         self._lists = QtWidgets.QVBoxLayout()
         self._gallery: QtWidgets.QWidget | None = None

@@ -156,8 +156,8 @@ def failing(first="looking", level=3.0, **params):
     [
         (
             "index",
-            "the check 'broken' failed (IndexError: tuple index out of range), so its warning may be "
-            "missing",
+            "the check 'broken' failed (IndexError: tuple index out of range), so its warning may "
+            "be missing",
         ),
         ("parameter", "the check 'broken' could not run: width = 3 is not allowed: must be 2"),
     ],

@@ -1,6 +1,6 @@
 """What all fields have: node, label, unit, message, menu; and fields of choices and lists."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -8,33 +8,18 @@ from PySide6 import QtWidgets
 from PySide6.QtCore import QObject, QPoint, Qt, QTimer, Signal
 from PySide6.QtGui import QContextMenuEvent, QFontMetrics, QGuiApplication, QWheelEvent
 
-from app.editor import messages, widgets
-from app.editor.declared_text import (
-    about,
-    choice_text,
-    label_of,
-    numbers_of,
-    shown_numbers,
-    shown_value,
-    tip,
-)
+from app.editor import declared_text, messages, widgets
 from app.editor.evaluation.evaluator import Evaluator
-from app.editor.panels.fields.field_menu import (
-    add_fit_action,
-    add_macro_actions,
-    chosen,
-    offer,
-    text_with_unit,
-    typed_text,
-)
 from app.editor.panels.fields.type_in import NameLabel, TypeIn, discard_typing
 from app.editor.session import Session
 from app.editor.theme import CHANGED, ERROR, FAINT, TEXT
+from core.editing import macros
 from core.editing.clipboard import copied_values, pasted_values
-from core.editing.operations import ABSENT, Operation, named, set_parameter, together
+from core.editing.operations import ABSENT, Operation, exposed_as, named, set_parameter, together
 from core.errors import ParameterError, thaw
 from core.modules.parameters import Parameter, plain
 from core.network.expressions import quoted
+from core.network.macro import SEPARATOR
 from core.records import dataclass
 
 _CLICK_MS = 250  # after which a button is up again
@@ -105,8 +90,8 @@ class Field(QtWidgets.QWidget):
         self.stored = False
         self.link: FieldLink | None = None
         self.setObjectName(f"field.{parameter.name}")
-        self.title = label_of(parameter.name)
-        self.setToolTip(tip(f"{self.title}: {about(parameter)}"))
+        self.title = declared_text.label_of(parameter.name)
+        self.setToolTip(declared_text.tip(f"{self.title}: {declared_text.about(parameter)}"))
         self.label = widgets.labelled(NameLabel(self.title, self), f"label.{parameter.name}")
         self.label.setTextFormat(Qt.TextFormat.PlainText)
         self.label.setSizePolicy(
@@ -136,7 +121,7 @@ class Field(QtWidgets.QWidget):
     @property
     def shown_value(self) -> str:
         unit = self.parameter.param.unit if self.value not in (None, (), "") else ""
-        return f"{shown_value(self.parameter, self.value)} {unit}".rstrip()
+        return f"{declared_text.shown_value(self.parameter, self.value)} {unit}".rstrip()
 
     @property
     def standing(self) -> str:
@@ -174,7 +159,7 @@ class Field(QtWidgets.QWidget):
         widgets.labelled(
             widget, f"{name or 'value'}.{self.parameter.name}", f"{self.title}{unit}{what}"
         )
-        widget.setAccessibleDescription(about(self.parameter))
+        widget.setAccessibleDescription(declared_text.about(self.parameter))
         widget.setContextMenuPolicy(Qt.ContextMenuPolicy.NoContextMenu)  # the field has one
 
     def follow(self, raw: Any) -> None:
@@ -227,7 +212,13 @@ class Field(QtWidgets.QWidget):
         self.label.setText(f"{self.title} · free" if on else self.title)
 
     def take(self, text: str) -> None:
-        self.offer(chosen(self.parameter, text))
+        """Take the choice or the state of a switch that a text names, else the text itself."""
+        if self.parameter.kind == "switch":
+            self.offer(_SWITCH.get(text.lower(), text))
+            return
+        options = choices_of(self.parameter)
+        named = (one for one in options if text in (str(one), declared_text.choice_text(one)))
+        self.offer(next(named, text))
 
     def restore(self) -> None:
         self._show_problem("")
@@ -255,22 +246,24 @@ class Field(QtWidgets.QWidget):
         if parameter.kind in ("number", "integer"):
             trade_off = partial(node.requests.trade_off.emit, node.name, parameter.name)
             about = "Plot figures of merit against this parameter"
-            offer(menu, "trade_off", "Trade off…", trade_off, about=about)
+            widgets.offer(menu, "trade_off", "Trade off…", trade_off, about=about)
             self.add_link_actions(menu)
         default = ""
         if not parameter.required:
             unit = f" {parameter.param.unit}" if parameter.param.unit else ""
-            default = f" ({shown_value(parameter, parameter.default)}{unit})"
-        offer(menu, "reset", f"Reset to default{default}", self._reset).setEnabled(self.stored)
+            default = f" ({declared_text.shown_value(parameter, parameter.default)}{unit})"
+        widgets.offer(menu, "reset", f"Reset to default{default}", self._reset).setEnabled(
+            self.stored
+        )
         menu.addSeparator()
         clipboard, copied = QGuiApplication.clipboard(), self.copied_text
         about = "Copy the value with its unit, or the expression of a linked value"
         copying = partial(clipboard.setText, copied)
-        action = offer(menu, "copy_value", "Copy value", copying, about=about)
+        action = widgets.offer(menu, "copy_value", "Copy value", copying, about=about)
         action.setEnabled(bool(copied))
         about = "Paste a value in any compatible unit"
         pasting = partial(self._paste, clipboard.text())
-        action = offer(menu, "paste_value", "Paste value", pasting, about=about)
+        action = widgets.offer(menu, "paste_value", "Paste value", pasting, about=about)
         action.setEnabled(bool(clipboard.text().strip()))
         if node.is_there:
             if parameter.kind == "number":
@@ -281,12 +274,17 @@ class Field(QtWidgets.QWidget):
     def copied_text(self) -> str:
         if self.link is not None:
             return f"= {self.link.text}"
-        unit = self.parameter.param.unit
-        return "" if self.value is None else text_with_unit(self.parameter, self.value, unit)
+        parameter, value = self.parameter, self.value
+        if parameter.kind in ("number", "integer") and type(value) in (int, float):
+            return f"{declared_text.shown_number(value)} {parameter.param.unit}".strip()
+        return "" if value in (None, (), []) else declared_text.shown_value(parameter, value)
 
     def _paste(self, text: str) -> None:
+        """Take a text with a unit, which need not be one that can be typed."""
         discard_typing(self)
-        self.take(typed_text(self.parameter, text))
+        text, unit = text.strip(), self.parameter.param.unit
+        is_number = self.parameter.kind in ("number", "integer") and not text.startswith("=")
+        self.take(text.removesuffix(f" {unit}") if unit and is_number else text)
 
     def _reset(self) -> None:
         discard_typing(self)
@@ -365,8 +363,8 @@ class ButtonsField(Field):
         self.group = QtWidgets.QButtonGroup(self)
         self.buttons: list[widgets.Radio] = []
         for number, choice in enumerate(self.choices):
-            button = widgets.Radio(choice_text(choice), self)
-            self.named(button, f": {choice_text(choice)}", f"choice.{choice}")
+            button = widgets.Radio(declared_text.choice_text(choice), self)
+            self.named(button, f": {declared_text.choice_text(choice)}", f"choice.{choice}")
             self.group.addButton(button, number)
             self.buttons.append(button)
             flow.addWidget(button)
@@ -409,7 +407,7 @@ class ListField(Field):
     def build(self) -> None:
         self.choices = choices_of(self.parameter)
         self.box = ChoiceBox(self)
-        self.box.addItems([choice_text(choice) for choice in self.choices])
+        self.box.addItems([declared_text.choice_text(choice) for choice in self.choices])
         self.box.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.box.setSizeAdjustPolicy(
             QtWidgets.QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon
@@ -466,15 +464,85 @@ class NumbersField(TypedField):
         widgets.filled(self.row, self.label, (edit, 1), self.unit)
 
     def show_value(self, value: Any) -> None:
-        self.edit.show_text(shown_numbers(value or ()))
+        self.edit.show_text(declared_text.shown_numbers(value or ()))
 
     def take(self, text: str) -> None:
         try:
-            numbers = numbers_of(text, self.parameter)
+            numbers = declared_text.numbers_of(text, self.parameter)
         except ParameterError as error:
             self.refuse_typed(error)
             return
         self.offer(numbers)
+
+
+# What can be done with a parameter beside editing its value: the menu of its field.
+
+_ABOUT_FREE = (
+    "A fit to a picture (the Fit dock) determines the free parameters. Parameters stay free "
+    "while the network is open; this choice is not saved"
+)
+_SWITCH = {"on": True, "true": True, "yes": True, "off": False, "false": False, "no": False}
+
+
+def add_fit_action(menu: QtWidgets.QMenu, session: Session, node: str, parameter: str) -> None:
+    is_free = session.free.has(node, parameter)
+    if not is_free and parameter in session.network.nodes[node].linked:
+        return  # what it follows can be free
+    menu.addSeparator()
+    act: Callable[[], object] = partial(session.free.put, declared_text.FreeNumber(node, parameter))
+    name, text = "free", "Free for a fit"
+    if is_free:
+        act = partial(session.free.fix, node, parameter)
+        name, text = "fix", "Fix (do not fit)"
+    action = widgets.offer(menu, name, text, act, about=_ABOUT_FREE)
+    action.setStatusTip(_ABOUT_FREE)
+    menu.setToolTipsVisible(True)
+
+
+def add_macro_actions(menu: QtWidgets.QMenu, session: Session, node: str, parameter: str) -> None:
+    """Add what a macro can do with a parameter of one of its nodes, or with one that it shows."""
+    network = session.document.network
+    value_of = session.resolved.value
+    if session.network.nodes[node].macro is not None:
+        menu.addSeparator()
+        hiding = partial(macros.hide, network, node, parameter, value_of)
+        widgets.offer(menu, "hide", "Hide from this panel", partial(_do, session, hiding))
+        menu.addAction(_naming(menu, session, node, parameter))
+        return
+    macro = node.removesuffix(SEPARATOR + session.local_name(node))
+    if macro == node:  # in no macro
+        return
+    menu.addSeparator()
+    name = exposed_as(network, node, parameter)
+    act, begin = partial(macros.expose, network, node, parameter), "Show on"
+    if name:
+        act, begin = partial(macros.hide, network, macro, name, value_of), "Hide from"
+    key = "hide" if name else "expose"
+    widgets.offer(menu, key, f"{begin} the panel of {macro}", partial(_do, session, act))
+
+
+def _do(session: Session, made: Callable[[], Operation]) -> None:
+    with messages.told(session.message.emit):
+        session.do(made())
+
+
+def _naming(
+    menu: QtWidgets.QMenu, session: Session, macro: str, name: str
+) -> QtWidgets.QWidgetAction:
+    edit, action = widgets.line_in_menu(menu, "Name", "exposed_name")
+    edit.setText(name)
+    edit.setAccessibleName(f"name of the parameter {name} on this panel")
+    edit.setToolTip("Name of the parameter on this panel; press Enter to apply")
+
+    def take() -> None:
+        new = edit.text().strip()
+        menu.close()
+        if new != name:
+            _do(session, lambda: macros.rename_exposed(session.document.network, macro, name, new))
+
+    edit.returnPressed.connect(take)
+    action.setObjectName("rename_exposed")
+    return action
 
 
 def copy_values(session: Session, names: Sequence[str]) -> None:

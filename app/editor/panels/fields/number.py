@@ -14,10 +14,17 @@ from PySide6.QtWidgets import QCompleter, QFileDialog, QMenu, QSlider, QWidget
 from app.editor.declared_text import about, placeholder_of, shown_number, tip, typed_number
 from app.editor.messages import FileDialog
 from app.editor.panels.fields.field import TypedField
-from app.editor.panels.fields.field_menu import offer
 from app.editor.panels.fields.type_in import STEPS, discard_typing, step_factor
 from app.editor.theme import CHANGED
-from app.editor.widgets import filled, is_escape, labelled, plain_label, takes_wheel, tool_button
+from app.editor.widgets import (
+    filled,
+    is_escape,
+    labelled,
+    offer,
+    plain_label,
+    takes_wheel,
+    tool_button,
+)
 from core.editing.operations import set_parameter
 from core.errors import ParameterError, thaw
 from core.modules.parameters import Parameter
@@ -379,7 +386,8 @@ class Scale:
             value = float(f"{self.low * (self.high / self.low) ** share:.3g}")
         else:
             step = (self.high - self.low) / self.positions
-            value = round(self.low + share * (self.high - self.low), _decimals(step))
+            decimals = max(0, math.ceil(-math.log10(step)))
+            value = round(self.low + share * (self.high - self.low), decimals)
         value = min(max(value, self.low), self.high)
         return round(value) if self.whole else value
 
@@ -453,10 +461,6 @@ def _range(parameter: Parameter, whole: bool) -> tuple[float, float]:
     if given > high:
         high = 10 * given
     return (low, high) if param.low is not None else (-high, high)
-
-
-def _decimals(step: float) -> int:
-    return max(0, math.ceil(-math.log10(step)))
 
 
 class PathField(TypedField):

@@ -121,7 +121,8 @@ class PictureQuery(Query):
         return replace(self, port=port, other=other)
 
     def key(self, plan: Plan) -> Hashable:
-        return self, *(picture_facts.identity(self._value(plan, port)) for port in self._ports)
+        ports = (self.port, str(self.other)) if self.compares else (self.port,)
+        return self, *(picture_facts.identity(self._value(plan, port)) for port in ports)
 
     def answer(self, passing: Passing) -> Picture:
         first = self._source(passing, self.port)
@@ -177,10 +178,6 @@ class PictureQuery(Query):
         grey.flags.writeable = False
         other = replace(now, facts=facts, samples=samples, grey=grey, value=kept.value)
         return replace(now, other=other)
-
-    @property
-    def _ports(self) -> tuple[str, ...]:
-        return (self.port, str(self.other)) if self.compares else (self.port,)
 
     def _value(self, plan: Plan, port: str) -> Any:
         value = plan.output(port)
@@ -465,46 +462,24 @@ def _as_shares(spread: picture_facts.Spread, low: float, between: float) -> pict
 RADIANCE_PER_UM = "W/m²/sr/µm"
 
 
-@dataclass(frozen=True)
-class Probe:
-    row: int  # row, column: index into the samples, from 0
-    column: int
-    value: float  # the sample
-    # the apparent temperature, where the sample is a radiance in a known band
-    temperature_K: float | None = None
-    colours: tuple[float, ...] = ()  # samples of red, green and blue, where it is composed of these
-
-
-def probe(picture: Picture, row: int, column: int) -> Probe | None:
+def probe(picture: Picture, row: int, column: int) -> tuple[float, float | None]:
+    """A sample, and its apparent temperature where it is a radiance in a known band."""
     facts = picture.facts
-    if not (0 <= row < facts.rows and 0 <= column < facts.columns):
-        return None
     value = float(picture.samples[row, column])
     temperature = None
     if facts.band_um is not None and is_radiance(facts.unit):
         temperature = apparent_temperature(value, facts.band_um)
     elif facts.band_um is not None and facts.width_um and facts.unit == RADIANCE_PER_UM:
         temperature = apparent_temperature(value * facts.width_um, facts.band_um)
-    colours = tuple(float(channel.samples[row, column]) for channel in picture.channels)
-    return Probe(row, column, value, temperature, colours)
+    return value, temperature
 
 
 def index_at(facts: picture_facts.Facts, x: float, y: float) -> tuple[int, int]:
     return round(facts.along.index(y)), round(facts.across.index(x))
 
 
-def other_probe(picture: Picture, other: Picture, row: int, column: int) -> Probe:
-    """The sample of the other half of a wipe, which is laid over all of the picture."""
-    facts, its = picture.facts, other.facts
-    row = int((row + 0.5) * its.rows / facts.rows)
-    sample = probe(other, row, int((column + 0.5) * its.columns / facts.columns))
-    assert sample is not None  # inside the one is inside the other
-    return sample
-
-
-def _place_text(picture: Picture, sample: Probe) -> str:
-    facts = picture.facts
-    x, y = facts.across.at(sample.column), facts.along.at(sample.row)
+def _place_text(facts: picture_facts.Facts, row: int, column: int) -> str:
+    x, y = facts.across.at(column), facts.along.at(row)
     if facts.kind == "plane":
         text = f"{facts.across.label} {x:.4g}  {facts.along.label} {y:.4g} {facts.across.unit}"
     else:
@@ -512,19 +487,14 @@ def _place_text(picture: Picture, sample: Probe) -> str:
     return text.replace("-", "\N{MINUS SIGN}")
 
 
-def _value_text(picture: Picture, sample: Probe) -> str:
-    values = "  ".join(
-        f"{name} {value:.5g}" for name, value in zip("RGB", sample.colours, strict=False)
-    )
-    text = f"{values or format(sample.value, '.6g')} {picture.facts.unit}".rstrip()
-    if sample.temperature_K is not None:
-        text += f"  {sample.temperature_K:.2f} K"
+def _value_text(picture: Picture, row: int, column: int) -> str:
+    value, temperature_K = probe(picture, row, column)
+    named = zip("RGB", picture.channels, strict=False)
+    values = "  ".join(f"{name} {one.samples[row, column]:.5g}" for name, one in named)
+    text = f"{values or format(value, '.6g')} {picture.facts.unit}".rstrip()
+    if temperature_K is not None:
+        text += f"  {temperature_K:.2f} K"
     return text.replace("-", "\N{MINUS SIGN}")
-
-
-def probe_text(picture: Picture, sample: Probe) -> str:
-    """Where, what, and how warm it seems."""
-    return f"{_place_text(picture, sample)}:  {_value_text(picture, sample)}"
 
 
 def facts_text(picture: Picture, query: PictureQuery, kept: str = "", way: str = "") -> str:
@@ -563,16 +533,24 @@ def sample_text(
     picture: Picture | None, place: tuple[int, int] | None, *, kept: bool = False
 ) -> str:
     """The sample at a place; of a wipe, those of both sides, with `kept` A first."""
-    if picture is None or place is None or (sample := probe(picture, *place)) is None:
+    if picture is None or place is None:
         return ""
-    if picture.other is None:
-        return probe_text(picture, sample)
-    other = other_probe(picture, picture.other, *place)
+    facts, (row, column), other = picture.facts, place, picture.other
+    if not (0 <= row < facts.rows and 0 <= column < facts.columns):
+        return ""
+    where, own = f"{_place_text(facts, row, column)}:  ", _value_text(picture, row, column)
+    if other is None:
+        return where + own
+    # The other half of a wipe is laid over all of the picture.
+    its = (
+        int((row + 0.5) * other.facts.rows / facts.rows),
+        int((column + 0.5) * other.facts.columns / facts.columns),
+    )
     if not kept:
-        return f"{probe_text(picture, sample)}  |  {_value_text(picture.other, other)}"
-    text = f"{_place_text(picture, sample)}:  A {_value_text(picture.other, other)}"
-    text += f"  |  B {_value_text(picture, sample)}"
-    if sample.temperature_K is not None and other.temperature_K is not None:
-        difference_K = sample.temperature_K - other.temperature_K
+        return f"{where}{own}  |  {_value_text(other, *its)}"
+    text = f"{where}A {_value_text(other, *its)}  |  B {own}"
+    now_K, then_K = probe(picture, row, column)[1], probe(other, *its)[1]
+    if now_K is not None and then_K is not None:
+        difference_K = now_K - then_K
         text += f"  |  B \N{MINUS SIGN} A {difference_K:+.3f} K".replace("-", "\N{MINUS SIGN}")
     return text

@@ -67,7 +67,11 @@ class FiguresStrip(Viewer):
 
     def queries(self) -> tuple[Query, ...]:
         """The figures of the node selected, if it has such figures, else of the last one."""
-        return (FiguresQuery(self._preferred()),)
+        for name in reversed(self.session.selection):
+            declared = self.session.declared(name)
+            if declared is not None and declared.key in SENSOR_FIGURES:
+                return (FiguresQuery(name),)
+        return (FiguresQuery(),)
 
     def take(self, answer: Answer) -> None:
         self._show(answer.value, "" if answer.error is None else str(answer.error))
@@ -108,13 +112,6 @@ class FiguresStrip(Viewer):
         none = NONE, why or missing or _NO_SENSOR
         for name in self._names:
             self.label(name).show_text(*(answer.figures.get(name, none) if answer else none))
-
-    def _preferred(self) -> str | None:
-        for name in reversed(self.session.selection):
-            declared = self.session.declared(name)
-            if declared is not None and declared.key in SENSOR_FIGURES:
-                return name
-        return None
 
     def _pass_done(self, done: Any) -> None:
         if isinstance(done, PassDone) and done.after_edit and not done.cancelled:

@@ -390,7 +390,9 @@ class BarPlot(pg.PlotItem):  # type: ignore[misc]
         given = [_padded(line.y, count) for line in lines]
         drawn = [panel.drawn(heights) for heights in given]
         low, high, zero = _range(drawn, panel.log)
-        beside = 1 if _each_alone(given) else max(1, len(lines))
+        # Each bar may belong to one line: a source makes either temporal or fixed noise.
+        alone = len(lines) > 1 and (np.count_nonzero(given, axis=0) <= 1).all()
+        beside = 1 if alone else max(1, len(lines))
         line_height = self._metrics.height()
         self.least_height = count * (beside * line_height + _GAP) + 3 * line_height
         group = max(1.0, self.getViewBox().height() / count)  # dots
@@ -450,11 +452,6 @@ def _range(drawn: list[plotted_lines.Vector], log: bool) -> tuple[float, float, 
         return low, max(float(finite.max()), low + 1.0), low
     low, high = min(0.0, *finite, 0.0), max(0.0, *finite, 0.0)
     return (low, high, 0.0) if high > low else (0.0, 1.0, 0.0)
-
-
-def _each_alone(lines: Sequence[plotted_lines.Vector]) -> bool:
-    """Whether each bar belongs to one line, as of temporal and fixed noise a source makes one."""
-    return len(lines) > 1 and bool((np.count_nonzero(lines, axis=0) <= 1).all())
 
 
 def _text(value: float) -> str:

@@ -11,9 +11,8 @@ from PySide6.QtSvg import QSvgGenerator
 from PySide6.QtWidgets import QWidget
 
 from app.editor.messages import SaveDialog, show_beside, told
-from app.editor.panels.fields.field_menu import offer
 from app.editor.viewers.plot.plotted_lines import TransferCurves
-from app.editor.widgets import Menu, labelled
+from app.editor.widgets import Menu, labelled, offer
 from core.atomic import write_bytes, write_text
 from core.chain.wires import CurveData, TableData
 from core.errors import UsageError

@@ -13,7 +13,6 @@ from app.editor import widgets
 from app.editor.declared_text import shown_figure
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.queries import Answer, Query
-from app.editor.panels.fields.field_menu import line_in_menu, offer
 from app.editor.session import Session
 from app.editor.viewers import viewer
 from app.editor.viewers.plot.plot_canvas import PlotCanvas
@@ -212,17 +211,17 @@ class PlotViewer(viewer.Viewer):
         numbers = None if data is None else partial(csv_text, data)
         menu = plot_menu(self._curves, self.session.message.emit, numbers)
         menu.addSeparator()
-        log = offer(menu, "plot.log", "Logarithmic ordinate", self.bar.log.click)
+        log = widgets.offer(menu, "plot.log", "Logarithmic ordinate", self.bar.log.click)
         log.setCheckable(True)
         log.setChecked(self.bar.log.isChecked())
         if self.canvas.isVisible() and self.canvas.plots:
             for along, name in enumerate(("Abscissa", "Ordinate")):
-                edit, action = line_in_menu(menu, name, f"plot.limits.{name.lower()}")
+                edit, action = widgets.line_in_menu(menu, name, f"plot.limits.{name.lower()}")
                 edit.setText(" to ".join(map(shown_figure, self.canvas.limits(bool(along)))))
                 edit.setAccessibleName(f"{name}: lower and upper limit")
                 edit.returnPressed.connect(partial(self._limit, menu, edit, bool(along)))
                 menu.addAction(action)
-            offer(menu, "plot.all", "Show all (F)", self.canvas.frame)
+            widgets.offer(menu, "plot.all", "Show all (F)", self.canvas.frame)
         menu.popup(point)
 
     def _limit(self, menu: QtWidgets.QMenu, edit: QtWidgets.QLineEdit, along: bool) -> None:

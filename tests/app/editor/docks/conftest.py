@@ -32,6 +32,6 @@ def graph(dock):
     """What is drawn of a figure."""
 
     def find(name):
-        return next(each for each in dock.plots.graphs if each.name == name)
+        return next(line for _, line in dock.plots.graphs if line.name == name)
 
     return find

@@ -4,15 +4,16 @@ import numpy as np
 import pytest
 from PySide6.QtGui import QColor
 
-from app.editor.docks.tradeoff_plots import Graph, Span, TradeOffPlots
+from app.editor.docks.tradeoff_plots import Span, TradeOffPlots
+from app.editor.viewers.plot.plotted_lines import Line
 from window_hands import place_in
 
 X = np.linspace(0.0, 1.0, 11)
 GRAPHS = [  # numbers of one digit, of many, and powers
-    Graph("a", "a", X, 5.0 * X),
-    Graph("b", "b (Hz)", X, 120000.0 + 20000.0 * X),
-    Graph("c", "c", X, 10.0 ** (9 * X - 9)),
-    Graph("d", "d", X, -0.0375 * X),
+    ("a", Line("a", X, 5.0 * X)),
+    ("b (Hz)", Line("b", X, 120000.0 + 20000.0 * X)),
+    ("c", Line("c", X, 10.0 ** (9 * X - 9))),
+    ("d", Line("d", X, -0.0375 * X)),
 ]
 
 

@@ -139,7 +139,7 @@ def test_range_and_figures_are_chosen_and_written(opened_window, dock, idle, gra
     assert rows["NETD system of electronics (K)"].checkState() == Qt.CheckState.Checked
     rows["NER of electronics (W/m²/sr)"].setCheckState(Qt.CheckState.Checked)
     idle(opened_window)
-    assert [each.name for each in dock.plots.graphs] == [
+    assert [line.name for _, line in dock.plots.graphs] == [
         MTF,
         "electronics.ner",
         "electronics.netd_system_K",
