@@ -3,6 +3,7 @@
 import json
 from collections.abc import Hashable, Mapping
 from functools import partial
+from types import MappingProxyType
 from typing import Any, ClassVar
 
 from PySide6.QtCore import QEvent, Qt
@@ -194,6 +195,16 @@ class UnknownBody(QWidget):
 _LABEL_SHARE = 0.4  # of the width, for long names, however little is left
 _LEAST_LINES = 10  # heights of a line that a slider, a field and their gaps are wide at least
 _AT_FIRST = 340  # dots that a panel is wide, until it is laid out
+_FIELDS = MappingProxyType(
+    {
+        "number": NumberField,
+        "integer": NumberField,
+        "switch": SwitchField,
+        "path": PathField,
+        "numbers": NumbersField,
+        "text": TextField,
+    }
+)
 
 
 class SectionsView(QWidget):
@@ -251,22 +262,11 @@ class SectionsView(QWidget):
         return box
 
     def _field_for(self, parameter: Parameter, box: QWidget, *, as_buttons: bool) -> Field:
-        node = self._panel_node
-        match parameter.kind:
-            case "number" | "integer":
-                return NumberField(parameter, node, box)
-            case "switch":
-                return SwitchField(parameter, node, box)
-            case "choice" if as_buttons or len(choices_of(parameter)) <= MOST_BUTTONS:
-                return ButtonsField(parameter, node, box)
-            case "choice":
-                return ListField(parameter, node, box)
-            case "path":
-                return PathField(parameter, node, box)
-            case "numbers":
-                return NumbersField(parameter, node, box)
-            case "text":
-                return TextField(parameter, node, box)
+        kind: type[Field] = _FIELDS.get(parameter.kind, ListField)
+        few = as_buttons or len(choices_of(parameter)) <= MOST_BUTTONS
+        if parameter.kind == "choice" and few:
+            kind = ButtonsField
+        return kind(parameter, self._panel_node, box)
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         """Have names, values and units of all fields stand in columns."""
@@ -351,23 +351,17 @@ class ReadoutsQuery(Query):
         )
 
 
-class ReadoutValue(QLineEdit):
+def _value_line(name: str, parent: QWidget) -> QLineEdit:
     """Can be selected and copied; a `QLabel` would have the window laid out for each text."""
-
-    def __init__(self, parent: QWidget) -> None:
-        super().__init__(NONE, parent, readOnly=True, frame=False, alignment=widgets.RIGHT)
-        self.setTextMargins(0, 0, 0, 0)
-        self.setFocusPolicy(Qt.FocusPolicy.ClickFocus)
-        self.setFixedHeight(self.fontMetrics().height())
-        self.setMaximumWidth(self.fontMetrics().averageCharWidth() * _DIGITS)
-        palette = self.palette()
-        palette.setColor(QPalette.ColorRole.Base, Qt.GlobalColor.transparent)
-        self.setPalette(palette)
-
-    def show_text(self, text: str) -> None:
-        if text != self.text():
-            self.setText(text)
-            self.setCursorPosition(0)
+    line = QLineEdit(NONE, parent, readOnly=True, frame=False, alignment=widgets.RIGHT)
+    line.setTextMargins(0, 0, 0, 0)
+    line.setFocusPolicy(Qt.FocusPolicy.ClickFocus)
+    line.setFixedHeight(line.fontMetrics().height())
+    line.setMaximumWidth(line.fontMetrics().averageCharWidth() * _DIGITS)
+    palette = line.palette()
+    palette.setColor(QPalette.ColorRole.Base, Qt.GlobalColor.transparent)
+    line.setPalette(palette)
+    return widgets.labelled(line, f"readout.{name}")
 
 
 class ReadoutsView(Viewer):
@@ -379,7 +373,7 @@ class ReadoutsView(Viewer):
         super().__init__(node.session, node.evaluator, f"panel.readouts.{id(self):x}", parent)
         self.setObjectName("readouts")
         self.query = ReadoutsQuery(node.name)
-        self.values: dict[str, ReadoutValue] = {}
+        self.values: dict[str, QLineEdit] = {}
         self.units: dict[str, QLabel] = {}
         self._meanings: dict[str, str] = {}
         grid = QGridLayout(self)
@@ -389,7 +383,7 @@ class ReadoutsView(Viewer):
         grid.setColumnStretch(0, 1)
         for row, readout in enumerate(declaration.readouts):
             name = widgets.plain_label("", self, label_of(readout.name), role=FAINT)
-            value = widgets.labelled(ReadoutValue(self), f"readout.{readout.name}")
+            value = _value_line(readout.name, self)
             unit = widgets.plain_label("", self, readout.unit, role=FAINT)
             unit.setWordWrap(False)
             self._meanings[readout.name] = readout.meaning
@@ -435,7 +429,9 @@ class ReadoutsView(Viewer):
             label, meaning = self.units[name], self._meanings[name]
             nothing = (NONE, label.text(), str(answer.error or ""))
             text, unit, reason = rows.get(name, nothing)
-            value.show_text(text)
+            if text != value.text():
+                value.setText(text)
+                value.setCursorPosition(0)
             value.setToolTip(tip(f"{reason}\n{meaning}" if reason else meaning))
             value.setAccessibleDescription(reason)
             if unit != label.text():  # that of the picture that comes in

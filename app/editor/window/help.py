@@ -41,7 +41,7 @@ class Help(QObject):
         self._process.finished.connect(self._found)
 
     def shortcuts(self, actions: Actions) -> None:
-        show_beside(self._window, ShortcutList(actions, self._window))
+        show_beside(self._window, shortcut_list(actions, self._window))
 
     def module(self) -> None:
         self.handbook_of(("", *self._session.selection)[-1])
@@ -139,31 +139,29 @@ BESIDE_ACTIONS = (
 OR = "  or  "
 
 
-class ShortcutList(QtWidgets.QDialog):
+def shortcut_list(actions: Actions, parent: QtWidgets.QWidget) -> QtWidgets.QDialog:
     """All shortcuts, read from the actions themselves, with a field that filters them."""
+    dialog = QtWidgets.QDialog(parent, objectName="shortcuts", windowTitle="Shortcuts")
+    hint = "Name of an action, or its keys"
+    search = search_field("shortcuts.search", "Search the shortcuts", hint, dialog)
+    rows = (*shortcuts_of(actions), *BESIDE_ACTIONS)
+    table = labelled(CopiedTable(len(rows), 4, dialog), "shortcuts.table", "Shortcuts")
+    for number, row in enumerate(rows):
+        for column, text in enumerate(row):
+            table.setItem(number, column, QtWidgets.QTableWidgetItem(text))
+    table.list_figures(("Menu", "Action", "Keys", "What it does"), widest=3)
+    filled(QtWidgets.QVBoxLayout(dialog), search, (table, 1), margins=None)
+    metrics = dialog.fontMetrics()
+    dialog.resize(metrics.averageCharWidth() * 110, metrics.height() * 28)
 
-    def __init__(self, actions: Actions, parent: QtWidgets.QWidget) -> None:
-        super().__init__(parent, objectName="shortcuts", windowTitle="Shortcuts")
-        hint = "Name of an action, or its keys"
-        self.search = search_field("shortcuts.search", "Search the shortcuts", hint, self)
-        rows = (*shortcuts_of(actions), *BESIDE_ACTIONS)
-        self._rows = [" ".join(row).casefold() for row in rows]
-        table = labelled(CopiedTable(len(rows), 4, self), "shortcuts.table", "Shortcuts")
-        self.table = table
+    def narrow(typed: str) -> None:
         for number, row in enumerate(rows):
-            for column, text in enumerate(row):
-                table.setItem(number, column, QtWidgets.QTableWidgetItem(text))
-        table.list_figures(("Menu", "Action", "Keys", "What it does"), widest=3)
-        filled(QtWidgets.QVBoxLayout(self), self.search, (table, 1), margins=None)
-        metrics = self.fontMetrics()
-        self.resize(metrics.averageCharWidth() * 110, metrics.height() * 28)
-        self.search.textChanged.connect(self._filter)
-        self.search.setFocus(Qt.FocusReason.OtherFocusReason)
+            known = " ".join(row).casefold()
+            table.setRowHidden(number, not all(w in known for w in typed.casefold().split()))
 
-    def _filter(self, text: str) -> None:
-        words = text.casefold().split()
-        for number, row in enumerate(self._rows):
-            self.table.setRowHidden(number, not all(word in row for word in words))
+    search.textChanged.connect(narrow)
+    search.setFocus(Qt.FocusReason.OtherFocusReason)
+    return dialog
 
 
 def shortcuts_of(actions: Actions) -> list[tuple[str, str, str, str]]:

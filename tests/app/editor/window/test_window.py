@@ -7,12 +7,20 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PySide6.QtCore import QPointF, Qt
-from PySide6.QtWidgets import QAbstractScrollArea, QApplication, QPushButton, QWidget
+from PySide6.QtWidgets import (
+    QAbstractScrollArea,
+    QApplication,
+    QDialog,
+    QLineEdit,
+    QPushButton,
+    QTableWidget,
+    QWidget,
+)
 
 from app.editor.recovery_files import DELAY_MS
 from app.editor.theme import DARK, LIGHT
 from app.editor.window.actions import ACTIONS
-from app.editor.window.help import OR, ShortcutList, shortcuts_of
+from app.editor.window.help import OR, shortcuts_of
 from app.editor.window.recent_files import Settings
 from app.editor.window.start import built, show_painted
 from window_hands import CTRL, KEY, add, show_small
@@ -192,20 +200,21 @@ def test_the_very_first_start_opens_a_network_whatever_the_settings_hold(
 
 
 def actions(page):
-    table = page.table
+    table = page.findChild(QTableWidget, "shortcuts.table")
     rows = [row for row in range(table.rowCount()) if not table.isRowHidden(row)]
     return [table.item(row, 1).text() for row in rows]
 
 
 def test_every_action_is_found_by_its_words_and_by_its_keys(window, hand, qtbot):
     hand.key(KEY.Key_Question)
-    page = window.findChild(ShortcutList, "shortcuts")
-    qtbot.waitUntil(page.search.hasFocus)
+    page = window.findChild(QDialog, "shortcuts")
+    search = page.findChild(QLineEdit, "shortcuts.search")
+    qtbot.waitUntil(search.hasFocus)
     for _, action, keys, _ in shortcuts_of(window.actions_by_name):
         for text in (action, *filter(None, keys.split(OR))):
-            page.search.setText(text)
+            search.setText(text)
             assert action in actions(page), text
-    page.search.clear()
+    search.clear()
     hand.type("espresso")
     assert actions(page) == []
     hand.key(KEY.Key_A, CTRL)
