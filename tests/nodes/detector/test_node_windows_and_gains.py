@@ -118,15 +118,20 @@ def test_read_outs_of_other_sizes_are_refused(tmp_path):
     assert "same size: high has 60 × 46 and low has 60 × 45" in str(bench.error("dual"))
 
 
-@pytest.mark.parametrize(("low", "factor", "warned"), [
-    ({}, 1, False), ({}, 2, True), ({"integration_time_s": 2.5e-6}, 4, False),
+@pytest.mark.parametrize(("low", "units", "factor", "warned"), [
+    ({}, "electrons", 1, False), ({}, "electrons", 2, True),
+    ({"integration_time_s": 2.5e-6}, "electrons", 4, False),
+    ({"integration_time_s": 2.5e-6}, "radiance", 1, False),
 ])  # fmt: skip
-def test_the_joined_range_is_from_one_noise_to_the_other_saturation(tmp_path, low, factor, warned):
+def test_the_joined_range_is_from_one_noise_to_the_other_saturation(
+    tmp_path, low, units, factor, warned
+):
     """Wells of 2,000 and 30,000 e-, 1.5 e- read noise: 20 lg(30,000/1.5), without dark current.
 
-    A fourth of the exposure sees four times as bright a scene, and its factor is 4.
+    A fourth of the exposure sees four times as bright a scene, and its factor is 4; a radiance is
+    one and the same by either, and needs no factor.
     """
-    gain = {"integration_time_s": 1e-5, "units": "electrons", "bits": 0, "optics_transmission": 1}
+    gain = {"integration_time_s": 1e-5, "units": units, "bits": 0, "optics_transmission": 1}
     nodes = {
         "scene": ("test_scene", {"width": 32, "height": 32}),
         "camera": ("camera", {"pitch_um": 15, "focal_length_mm": 50, "f_number": 4}),
