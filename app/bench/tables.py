@@ -290,7 +290,7 @@ def bench_page(facts: Mapping[str, Any], parts: Measured) -> str:
         for table in tables:
             blocks += [
                 html.heading(3, table.title),
-                *([html.paragraph(table.text)] if table.text else []),
+                html.paragraph(table.text) if table.text else "",
             ]
             drawn = chart_png(table, titled=False)
             if drawn is not None and table.chart is not None:

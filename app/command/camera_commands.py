@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json as json_module
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -74,7 +73,7 @@ def measure(
 
     Example: imagechain measure picture.tif --report measured.html --csv mtf.csv
     """
-    from app.measure.measurement_page import measurement_json, measurement_text
+    from app.measure.measurement_page import measurement_facts, measurement_text
     from app.measure.measurement_text import figure_rows, frame_rows, refused_lines, remarks
     from app.measure.measuring import measure_files
     from app.run.terminal import columns
@@ -90,8 +89,7 @@ def measure(
     measured = options.written(outputs, inputs, stop, made, measurement_text)
     rows = [*figure_rows(measured), *frame_rows(measured)]
     lines = map(in_line, (*remarks(measured), *refused_lines(measured)))
-    facts = partial(json_module.loads, measurement_json(measured))
-    options.show(json, facts, columns(rows, right=(1,)), *lines)
+    options.show(json, lambda: measurement_facts(measured), columns(rows, right=(1,)), *lines)
 
 
 @options.command()

@@ -36,36 +36,36 @@ def fit_page(result: FitResult, *, network: str, pictures: tuple[str, ...]) -> s
             "lead",
         ),
         html.grid(heads, rows, numbers=(1, 3), kind="fitted"),
-        *([html.items(f"{line[:1].upper()}{line[1:]}" for line in lines)] if lines else []),
-        *_combinations(result),
-        *_correlation(result),
-        *_pictures(result),
-        *_noise(result),
+        html.items(f"{line[:1].upper()}{line[1:]}" for line in lines) if lines else "",
+        _combinations(result),
+        _correlation(result),
+        _pictures(result),
+        _noise(result),
     ]
     return html.page(title, blocks)
 
 
-def _pictures(result: FitResult) -> list[str]:
-    return [
-        html.heading(2, "Edges"),
-        html.drawn(
+def _pictures(result: FitResult) -> str:
+    return (
+        html.heading(2, "Edges")
+        + html.drawn(
             patches_png(result),
             "Patches of the picture, the same patches from the fitted network, and their "
             "difference in units of the noise's standard deviation. If the network is right, "
             "the difference is only noise; a pattern along the edge means that the network lacks "
             "an effect. Above each patch: the direction of the edge's normal.",
             "real and simulated patches",
-        ),
-        html.drawn(
+        )
+        + html.drawn(
             spreads_png(result),
             "a: samples against distance from the edge, scaled from 0 (dark level) to 1 (bright "
             "level), and the edge spread of the fitted chain. b: mean residuals in "
             "quarter-sample bins, on the same scale; pure noise scatters about 0 within the error "
             "bars.",
             "overlaid edges and residuals",
-        ),
-        *_table(result),
-    ]
+        )
+        + _table(result)
+    )
 
 
 def _row(result: FitResult, index: int) -> tuple[str, ...]:
@@ -74,34 +74,30 @@ def _row(result: FitResult, index: int) -> tuple[str, ...]:
     return one.port, value, one.unit, before
 
 
-def _combinations(result: FitResult) -> list[str]:
+def _combinations(result: FitResult) -> str:
     if not result.combinations:
-        return []
+        return ""
     rows = [(one.text, with_error(one.value, one.sigma), one.unit) for one in result.combinations]
     heads = ("combination", "value ± standard error", "unit")
-    return [
-        html.heading(2, "Combinations of parameters that cannot be separated"),
-        html.grid(heads, rows, numbers=(1,), kind="fitted"),
-    ]
+    return html.heading(2, "Combinations of parameters that cannot be separated") + html.grid(
+        heads, rows, numbers=(1,), kind="fitted"
+    )
 
 
-def _correlation(result: FitResult) -> list[str]:
+def _correlation(result: FitResult) -> str:
     known = [i for i, one in enumerate(result.parameters) if one.value is not None]
     names = [result.parameters[i].port for i in known]
     if len(names) < 2:
-        return []
+        return ""
     rows = [
         (name, *(f"{value:.3f}" if math.isfinite(value) else "" for value in row[known]))
         for name, row in zip(names, result.correlation[known], strict=True)
     ]
     numbers = tuple(range(1, len(names) + 1))
-    return [
-        html.heading(2, "Correlation of errors"),
-        html.grid(("", *names), rows, numbers=numbers),
-    ]
+    return html.heading(2, "Correlation of errors") + html.grid(("", *names), rows, numbers=numbers)
 
 
-def _table(result: FitResult) -> list[str]:
+def _table(result: FitResult) -> str:
     drawn = set(drawn_edges(result))
     rows = []
     for index, patch in enumerate(result.fit.patches):
@@ -111,15 +107,15 @@ def _table(result: FitResult) -> list[str]:
         step, count = short(float(result.fit.edges.step[index])), len(patch.value)
         rows.append((name, *place, str(count), step, f"{chi2 / count:.3f}"))
     heads = ("edge", "column", "row", "normal (°)", "samples", "step", "χ² per sample")
-    return [html.grid(heads, rows, numbers=tuple(range(1, 7)))]
+    return html.grid(heads, rows, numbers=tuple(range(1, 7)))
 
 
-def _noise(result: FitResult) -> list[str]:
+def _noise(result: FitResult) -> str:
     if not result.noise:
-        return []
-    blocks = [html.heading(2, "Noise")]
+        return ""
+    blocks = html.heading(2, "Noise")
     if not isinstance(result.noise, NoiseComparison):
-        return [*blocks, html.paragraph(f"{result.noise[:1].upper()}{result.noise[1:]}.")]
+        return blocks + html.paragraph(f"{result.noise[:1].upper()}{result.noise[1:]}.")
     how = (
         "fitted together with the edges"
         if result.noise.fitted
@@ -129,7 +125,7 @@ def _noise(result: FitResult) -> list[str]:
         "Sample variance in flat areas against level, with its standard error, and the prediction "
         f"from the network's noise budget ({how})."
     )
-    return [*blocks, html.drawn(noise_png(result.noise), caption, "noise against level")]
+    return blocks + html.drawn(noise_png(result.noise), caption, "noise against level")
 
 
 # Figures of a fit: real and simulated patches, edges overlaid, residuals, noise over the level.

@@ -1,6 +1,5 @@
 """A measurement as files: one page that needs no other, JSON, and a table of MTF."""
 
-import json
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -13,6 +12,7 @@ from app.measure.picture_measurement import MeasuredEdge, NoiseFigures, PictureM
 from app.report import html_page as html
 from app.report.drawing.picture_drawing import COLOURS, figure, number
 from app.run.saving import robust_limits
+from app.run.terminal import json_text
 from core.atomic import write_text
 from core.errors import DataError, UsageError, printable
 from core.physics.measurement.edge_mtf import LARGEST_ANGLE_DEG, MtfCurve
@@ -33,11 +33,11 @@ def measurement_page(measured: PictureMeasurement) -> str:
     blocks = [
         html.paragraph(_lead(measured), "lead"),
         html.grid(heads, told.figure_rows(measured), (1,), kind="readouts"),
-        *([html.items(f"{line[:1].upper()}{line[1:]}." for line in notes)] if notes else []),
-        *_edges(measured),
-        *_mtf(measured),
-        *_noise(measured),
-        *_edge_tables(measured),
+        html.items(f"{line[:1].upper()}{line[1:]}." for line in notes) if notes else "",
+        _edges(measured),
+        _mtf(measured),
+        _noise(measured),
+        _edge_tables(measured),
     ]
     return html.page(title, blocks)
 
@@ -59,10 +59,10 @@ def _short(value: float) -> float:
     return float(f"{value:.4g}")
 
 
-def _edges(measured: PictureMeasurement) -> list[str]:
-    blocks = [html.heading(2, "Edges")]
+def _edges(measured: PictureMeasurement) -> str:
+    blocks = html.heading(2, "Edges")
     if not measured.edges:
-        return [*blocks, html.paragraph("No straight edge was found.")]
+        return blocks + html.paragraph("No straight edge was found.")
     for preview in measured.previews:
         name = measured.picture_name(preview.picture)
         caption = (
@@ -70,73 +70,73 @@ def _edges(measured: PictureMeasurement) -> list[str]:
             "99.9 % quantiles."
         )
         drawn = edges_png(measured, preview)
-        blocks.append(html.drawn(drawn, caption, f"edges of {name}"))
+        blocks += html.drawn(drawn, caption, f"edges of {name}")
     more = measured.picture_count - len(measured.previews)
     if more > 0:
-        blocks.append(html.paragraph(f"Pictures not drawn: {more}."))
+        blocks += html.paragraph(f"Pictures not drawn: {more}.")
     return blocks
 
 
-def _mtf(measured: PictureMeasurement) -> list[str]:
-    blocks = [html.heading(2, "MTF")]
+def _mtf(measured: PictureMeasurement) -> str:
+    blocks = html.heading(2, "MTF")
     if measured.x is None and measured.y is None:
         across = html.paragraph(f"No horizontal MTF: {measured.reason_x}.")
-        return [*blocks, across, html.paragraph(f"No vertical MTF: {measured.reason_y}.")]
+        return blocks + across + html.paragraph(f"No vertical MTF: {measured.reason_y}.")
     caption = (
         "MTF of everything from the scene to the stored samples, pooled over the edges used "
         "(weights: 1/error²). Grey curves: single edges whose normals lie within 30° of the axis. "
         "Beyond the Nyquist frequency, 0.5 cycles/sample, the picture is aliased, but slanted "
         "edges still give the MTF."
     )
-    blocks.append(html.drawn(mtf_png(measured), caption, "pooled MTF"))
+    blocks += html.drawn(mtf_png(measured), caption, "pooled MTF")
     return blocks
 
 
-def _noise(measured: PictureMeasurement) -> list[str]:
+def _noise(measured: PictureMeasurement) -> str:
     if measured.frames is None:
-        return []
+        return ""
     heads = ("component", "σ", "unit", "meaning")
-    return [
-        html.heading(2, "Temporal noise"),
-        html.grid(heads, told.frame_rows(measured), numbers=(1,)),
-        html.paragraph(
+    return (
+        html.heading(2, "Temporal noise")
+        + html.grid(heads, told.frame_rows(measured), numbers=(1,))
+        + html.paragraph(
             "The fixed pattern of these frames includes the scene. To measure "
             "fixed-pattern noise, give frames of a uniform field to imagechain photon-transfer."
-        ),
-    ]
+        )
+    )
 
 
-def _edge_tables(measured: PictureMeasurement) -> list[str]:
+def _edge_tables(measured: PictureMeasurement) -> str:
     numbered = list(enumerate(measured.edges, 1))
     used = [(number, edge) for number, edge in numbered if edge.used]
     refused = [(number, edge) for number, edge in numbered if not edge.used]
-    blocks: list[str] = []
+    blocks = ""
     several = measured.picture_count > 1
     if used:
         rows = [(*_place(edge, n, several), *_figures(edge)) for n, edge in used]
-        blocks += [
-            html.heading(2, "Edges used"),
-            html.grid((*_PLACE, "step", "step/noise", "MTF50"), rows, numbers=range(1, 8)),
-            html.paragraph(
+        blocks += (
+            html.heading(2, "Edges used")
+            + html.grid((*_PLACE, "step", "step/noise", "MTF50"), rows, numbers=range(1, 8))
+            + html.paragraph(
                 "MTF50 in cycles/sample along the edge's normal. Edges with a normal within "
                 f"{LARGEST_ANGLE_DEG:g}° of 0° or 180° give the horizontal MTF; a normal within "
                 f"{LARGEST_ANGLE_DEG:g}° of ±90° gives the vertical MTF. The value after ± is the "
                 "standard error that the horizontal or vertical MTF50 would have with this edge "
                 "alone. Edges in other directions show how the blur changes with direction."
-            ),
-        ]
+            )
+        )
     if refused:
         kinds = told.counted(edge.why_not for _, edge in refused)
         shown = refused[:_MOST_REFUSED]
         whys = [(*_place(edge, n, several), edge.why_not) for n, edge in shown]
-        blocks += [
-            html.heading(2, "Edges not used"),
-            html.grid(("edges", "why not"), [(str(n), kind) for kind, n in kinds], numbers=(0,)),
-            html.paragraph("For advice, run imagechain handbook edge_pictures."),
-            html.grid((*_PLACE, "why not"), whys, numbers=range(1, 5)),
-        ]
+        blocks += (
+            html.heading(2, "Edges not used")
+            + html.grid(("edges", "why not"), [(str(n), kind) for kind, n in kinds], numbers=(0,))
+            + html.paragraph("For advice, run imagechain handbook edge_pictures.")
+            + html.grid((*_PLACE, "why not"), whys, numbers=range(1, 5))
+        )
         if len(refused) > len(shown):
-            blocks.append(html.paragraph(f"And {len(refused) - len(shown)} more."))
+            blocks += html.paragraph(f"And {len(refused) - len(shown)} more.")
     return blocks
 
 
@@ -282,8 +282,8 @@ WRITTEN = (JSON, CSV, HTML)
 _FOUND = ("x", "y", "angle_deg", "length", "reach", "low", "high")
 
 
-def measurement_json(measured: PictureMeasurement) -> str:
-    """The measurement as JSON; what could not be measured is absent, and a reason stands there."""
+def measurement_facts(measured: PictureMeasurement) -> Json:
+    """The measurement for JSON; what could not be measured is absent, and a reason stands there."""
     content: Json = {
         "format": "imagechain-measurement",
         "version": 1,
@@ -311,7 +311,7 @@ def measurement_json(measured: PictureMeasurement) -> str:
     warnings = [*told.file_warnings(measured.files), *measured.warnings]
     if warnings:
         content["warnings"] = warnings
-    return json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    return content
 
 
 def measurement_csv(measured: PictureMeasurement) -> str:
@@ -348,23 +348,19 @@ def _curve(
 ) -> Json:
     if curve is None:
         return {"reason": reason}
-    content: Json = {"frequency_cyc_per_sample": _numbers(curve.frequency)}
+    content: Json = {"frequency_cyc_per_sample": curve.frequency}
     if interval_mrad is not None:
-        content["frequency_cyc_per_mrad"] = _numbers(curve.frequency / interval_mrad)
+        content["frequency_cyc_per_mrad"] = curve.frequency / interval_mrad
     if pitch_um is not None:
-        content["frequency_cyc_per_mm"] = _numbers(curve.frequency / (1e-3 * pitch_um))
+        content["frequency_cyc_per_mm"] = curve.frequency / (1e-3 * pitch_um)
     return {
         **content,
-        "mtf": _numbers(curve.mtf),
-        "sigma": _numbers(curve.sigma),
+        "mtf": curve.mtf,
+        "sigma": curve.sigma,
         **_given(mtf50=curve.mtf50, mtf50_sigma=curve.mtf50_sigma),
         "edges": curve.edges,
         "scatter": curve.scatter,
     }
-
-
-def _numbers(values: np.ndarray[Any, Any]) -> list[float]:
-    return [float(value) for value in values]
 
 
 def _noise_json(noise: NoiseFigures | None, reason: str) -> Json:
@@ -403,7 +399,7 @@ def _frames(frames: FramesNoise | None, reason: str) -> Json:
 def measurement_text(measured: PictureMeasurement, path: Path) -> str:
     """What a file of that suffix holds: .json everything, .csv the pooled MTF, .html a page."""
     if JSON.matches(path):
-        text = measurement_json(measured)
+        text = json_text(measurement_facts(measured))
     elif CSV.matches(path):
         text = measurement_csv(measured)
     elif HTML.matches(path):

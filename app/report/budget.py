@@ -112,21 +112,21 @@ def _of_axis(share: Any, place: int, axis: str) -> Fact:
     return {f"mtf_{axis}": share.mtf[place], f"share_{axis}": share.share[place]}
 
 
-def budget(facts: Fact) -> list[str]:
+def budget(facts: Fact) -> str:
     contributions = facts["budget"]
     noise, blur = contributions["noise"], contributions["blur"]
-    blocks = [html.heading(2, "Contributions to noise and blur")]
+    blocks = html.heading(2, "Contributions to noise and blur")
     if noise or blur:
         told = ["Noise: share of the noise variance in the final picture."] if noise else []
         told += ["Blur: share of −ln |MTF| at half the Nyquist frequency."] if blur else []
         caption = " ".join(told)
         caption += html.of_many(len(noise["sources"]), "noise sources") if noise else ""
         caption += html.of_many(len(blur["stages"])) if blur else ""
-        blocks.append(html.drawn(bars_png(noise, blur), caption, "shares of noise and blur"))
+        blocks += html.drawn(bars_png(noise, blur), caption, "shares of noise and blur")
     for what, section, shares in (("Noise", _noise, noise), ("Blur", _blur, blur)):
         reason = contributions[f"{what.lower()}_reason"]
         unknown = html.paragraph(f"{what} cannot be split among its sources: {reason}.")
-        blocks += section(shares) if shares else [unknown]
+        blocks += section(shares) if shares else unknown
     return blocks
 
 
@@ -172,7 +172,7 @@ def _percent(share: float) -> str:
     return drawing.number(float(format(100.0 * share, ".3g")))
 
 
-def _noise(noise: Fact) -> list[str]:
+def _noise(noise: Fact) -> str:
     together = {"node": "", "temporal": noise["temporal"], "fixed": noise["fixed"], "share": 1.0}
     titles = [
         *(noise_budget.source_title(source["name"]) for source in noise["sources"]),
@@ -196,7 +196,7 @@ def _noise(noise: Fact) -> list[str]:
         f"{_beside(noise)}"
     )
     heading = html.heading(3, "Noise in the final picture")
-    return [heading, html.paragraph(text), html.report_grid(heads, rows, numbers=(2, 3, 4))]
+    return heading + html.paragraph(text) + html.report_grid(heads, rows, numbers=(2, 3, 4))
 
 
 def _beside(noise: Fact) -> str:
@@ -212,7 +212,7 @@ def _beside(noise: Fact) -> str:
     )
 
 
-def _blur(blur: Fact) -> list[str]:
+def _blur(blur: Fact) -> str:
     xi, eta = drawing.number(blur["xi_cyc_per_mrad"]), drawing.number(blur["eta_cyc_per_mrad"])
     rows = [
         (one["title"], one["node"], drawing.number(one["mtf_x"]), _percent(one["share_x"]),
@@ -230,7 +230,7 @@ def _blur(blur: Fact) -> list[str]:
             "listed."
         )
     heading = html.heading(3, "Blur by stage")
-    return [heading, html.paragraph(text), html.report_grid(heads, rows, numbers=(2, 3, 4, 5))]
+    return heading + html.paragraph(text) + html.report_grid(heads, rows, numbers=(2, 3, 4, 5))
 
 
 _FEW = 40  # bands up to which every one has a dot
@@ -282,10 +282,10 @@ def _responses(evaluation: Evaluation) -> list[Fact]:
     return responses
 
 
-def spectrum(facts: Fact) -> list[str]:
+def spectrum(facts: Fact) -> str:
     spectra, responses = facts["spectra"]["means"], facts["spectra"]["responses"]
     if not spectra:
-        return []
+        return ""
     caption = "Mean of each picture in each band."
     if responses:
         caption = (
@@ -294,7 +294,7 @@ def spectrum(facts: Fact) -> list[str]:
         )
     caption += html.of_many(len(spectra), "spectra")
     drawn = html.drawn(spectra_png(spectra, responses), caption, "mean spectra and responses")
-    return [html.heading(2, "Spectrum"), drawn, _table(spectra)]
+    return html.heading(2, "Spectrum") + drawn + _table(spectra)
 
 
 def spectra_png(spectra: list[Fact], responses: list[Fact]) -> bytes:

@@ -291,21 +291,21 @@ def edge_row(work: Work, recipe: Recipe, source: Recipe, axis: Axis, samples: in
     return np.asarray(row, np.float64)
 
 
-def judged(facts: Fact) -> list[str]:
+def judged(facts: Fact) -> str:
     edges, drawn_as = facts["judged"], facts["drawn_as"]
-    blocks = [html.heading(2, "Checked by measurement")]
+    blocks = html.heading(2, "Checked by measurement")
     if edges["reason"]:
-        return [*blocks, html.paragraph(f"Not measured: {edges['reason']}.")]
+        return blocks + html.paragraph(f"Not measured: {edges['reason']}.")
     good = [measurement for measurement in edges["measurements"] if measurement["reason"] is None]
     if good:
-        blocks.append(html.paragraph(_introduction(edges)))
+        blocks += html.paragraph(_introduction(edges))
         caption = _caption(drawn_as.get("judged"))
-        blocks.append(html.drawn(judged_png(edges), caption, "measured and expected MTF"))
-        blocks.append(_table(good))
+        blocks += html.drawn(judged_png(edges), caption, "measured and expected MTF")
+        blocks += _table(good)
     for measurement in edges["measurements"]:
         if measurement["reason"] is not None:
             what = f"{measurement['direction']}, {_METHOD_WORDS[measurement['method']]}"
-            blocks.append(html.paragraph(f"Not measured ({what}): {measurement['reason']}."))
+            blocks += html.paragraph(f"Not measured ({what}): {measurement['reason']}.")
     return blocks
 
 

@@ -26,25 +26,25 @@ def page(evaluation: Evaluation, facts: dict[str, Any]) -> str:
     title = network["name"] or "Image chain"
     figures = figure_rows([Figure(**figure) for figure in facts["figures"]], drawing.number)
     rows = [(name, f"{value} {unit}") for name, value, unit, _ in figures]
-    card = [html.report_grid(("figure", "value"), rows, numbers=(1,), kind="card")] if rows else []
+    card = html.report_grid(("figure", "value"), rows, numbers=(1,), kind="card") if rows else ""
     blocks = [
-        *([html.paragraph(network["description"], "lead")] if network["description"] else []),
-        html.beside((*card, *_shown_pictures(evaluation, _of_the_chain(facts)))),
-        *_warnings(facts),
+        html.paragraph(network["description"], "lead") if network["description"] else "",
+        html.beside((card, _shown_pictures(evaluation, _of_the_chain(facts)))),
+        _warnings(facts),
         _run_line(facts),
-        *data_sheet(facts),
-        *_pictures(evaluation, facts),
-        *_published(facts),
-        *spectrum(facts),
-        *transfer(evaluation, facts),
-        *judged(facts),
-        *_pupils(evaluation),
-        *_curves(evaluation),
-        *_noise(evaluation, facts),
-        *budget(facts),
-        *_readouts(facts),
-        *economy(facts),
-        *_nodes(facts),
+        data_sheet(facts),
+        _pictures(evaluation, facts),
+        _published(facts),
+        spectrum(facts),
+        transfer(evaluation, facts),
+        judged(facts),
+        _pupils(evaluation),
+        _curves(evaluation),
+        _noise(evaluation, facts),
+        budget(facts),
+        _readouts(facts),
+        economy(facts),
+        _nodes(facts),
     ]
     return html.page(title, blocks)
 
@@ -66,12 +66,12 @@ def _run_line(facts: dict[str, Any]) -> str:
     return html.paragraph(" · ".join(words), "run")
 
 
-def _warnings(facts: dict[str, Any]) -> list[str]:
+def _warnings(facts: dict[str, Any]) -> str:
     lines = [
         f"{one['node']}: {one['message']}. {one['remedy'][:1].upper()}{one['remedy'][1:]}."
         for one in facts["warnings"]
     ]
-    return [html.heading(2, "Warnings"), html.items(lines, "warnings")] if lines else []
+    return html.heading(2, "Warnings") + html.items(lines, "warnings") if lines else ""
 
 
 def _of_the_chain(facts: dict[str, Any]) -> list[dict[str, Any]]:
@@ -80,9 +80,9 @@ def _of_the_chain(facts: dict[str, Any]) -> list[dict[str, Any]]:
     return [*inputs[:_MOST_INPUTS], *outputs]
 
 
-def _pictures(evaluation: Evaluation, facts: dict[str, Any]) -> list[str]:
+def _pictures(evaluation: Evaluation, facts: dict[str, Any]) -> str:
     if not facts["pictures"]:
-        return []
+        return ""
     others = [picture for picture in facts["pictures"] if picture["role"] == "other output"]
     names = ("minimum", "maximum", "mean", "sigma")
     rows = [
@@ -90,17 +90,17 @@ def _pictures(evaluation: Evaluation, facts: dict[str, Any]) -> list[str]:
         for one in facts["pictures"]
     ]
     heads = ("picture", "minimum", "maximum", "mean", "σ", "unit")
-    return [
-        html.heading(2, "Input and output"),
-        *_other_pictures(evaluation, others, len(_of_the_chain(facts))),
-        html.report_grid(heads, rows, numbers=(1, 2, 3, 4)),
-    ]
+    return (
+        html.heading(2, "Input and output")
+        + _other_pictures(evaluation, others, len(_of_the_chain(facts)))
+        + html.report_grid(heads, rows, numbers=(1, 2, 3, 4))
+    )
 
 
-def _shown_pictures(evaluation: Evaluation, shown: list[dict[str, Any]]) -> list[str]:
+def _shown_pictures(evaluation: Evaluation, shown: list[dict[str, Any]]) -> str:
     """Figure of the chain's pictures; none where several end unlinked and no chain begins."""
     if not shown:
-        return []
+        return ""
     drawn = drawing.pictures_png(
         [_picture(evaluation, one, one["role"].capitalize()) for one in shown]
     )
@@ -114,7 +114,7 @@ def _shown_pictures(evaluation: Evaluation, shown: list[dict[str, Any]]) -> list
         for one, size in zip(shown, sizes, strict=True)
     ]
     caption = "; ".join(alike) + ". Grey levels span each picture's own 0.1 % to 99.9 % quantiles."
-    return [html.drawn(drawn, caption, "input and output pictures")]
+    return html.drawn(drawn, caption, "input and output pictures")
 
 
 def _clean(picture: dict[str, Any], name: str) -> float:
@@ -124,15 +124,15 @@ def _clean(picture: dict[str, Any], name: str) -> float:
     return 0.0 if abs(value) < 1e-15 * largest else value
 
 
-def _other_pictures(evaluation: Evaluation, others: list[dict[str, Any]], beside: int) -> list[str]:
+def _other_pictures(evaluation: Evaluation, others: list[dict[str, Any]], beside: int) -> str:
     if not others:
-        return []
+        return ""
     shown, rest = others[:_MOST_OTHERS], others[_MOST_OTHERS:]
     drawn = drawing.pictures_png([_picture(evaluation, one, one["port"]) for one in shown], beside)
     more = _not_shown([picture["port"] for picture in rest])
-    return [
-        html.drawn(drawn, "Other output pictures of the network." + more, "other output pictures")
-    ]
+    return html.drawn(
+        drawn, "Other output pictures of the network." + more, "other output pictures"
+    )
 
 
 def _not_shown(ports: Sequence[str]) -> str:
@@ -149,23 +149,23 @@ def _picture(evaluation: Evaluation, picture: dict[str, Any], title: str) -> tup
     return title, image, reduced(realize(image, evaluation.work), evaluation.work)
 
 
-def _published(facts: dict[str, Any]) -> list[str]:
+def _published(facts: dict[str, Any]) -> str:
     rows = facts["published"]
-    blocks: list[str] = []
+    blocks = ""
     if rows:
         good = sum(row["verdict"] == REPRODUCED for row in rows)
         heads = ("figure", "where", "published", "here", "unit", "verdict", "reason")
         marks = {REPRODUCED: "good", DIFFERENT: "bad"}
-        blocks += [
-            html.heading(2, "Comparison with published figures"),
-            html.paragraph(f"Published figures reproduced: {good} of {len(rows)}."),
-            html.report_grid(
+        blocks += (
+            html.heading(2, "Comparison with published figures")
+            + html.paragraph(f"Published figures reproduced: {good} of {len(rows)}.")
+            + html.report_grid(
                 heads, list(map(_published_cells, rows)), (2, 3), {5: marks}, "published"
-            ),
-        ]
+            )
+        )
     if facts["conflicts"]:
-        blocks += [html.heading(3 if rows else 2, "Conflicts within the source")]
-        blocks += [html.items(facts["conflicts"])]
+        blocks += html.heading(3 if rows else 2, "Conflicts within the source")
+        blocks += html.items(facts["conflicts"])
     return blocks
 
 
@@ -176,10 +176,10 @@ def _published_cells(row: dict[str, Any]) -> tuple[str, ...]:
     return row["figure"], row["where"], *values, row["unit"], row["verdict"], reason
 
 
-def _pupils(evaluation: Evaluation) -> list[str]:
+def _pupils(evaluation: Evaluation) -> str:
     panels, left_out = drawing.pupil_panels(evaluation)
     if not panels:
-        return []
+        return ""
     titles = {
         "samples": "amplitude transmission of the exit pupils (axes in samples)",
         "cyc/mrad": (
@@ -191,27 +191,26 @@ def _pupils(evaluation: Evaluation) -> list[str]:
     more = _not_shown(left_out)
     drawn = drawing.panels_png(panels)
     shown = html.drawn(drawn, caption + more, "exit pupils and autocorrelations")
-    return [html.heading(2, "Pupils"), shown]
+    return html.heading(2, "Pupils") + shown
 
 
-def _curves(evaluation: Evaluation) -> list[str]:
+def _curves(evaluation: Evaluation) -> str:
     curves = node_curves(evaluation)
     if not curves:
-        return []
+        return ""
     caption = "Curves of the nodes; a gap means that the curve has no value there."
     caption += _not_shown([port for port, _ in curves[MOST:]])
-    return [
-        html.heading(2, "Curves"),
-        html.drawn(curves_png(curves[:MOST]), caption, "curves of nodes"),
-    ]
+    return html.heading(2, "Curves") + html.drawn(
+        curves_png(curves[:MOST]), caption, "curves of nodes"
+    )
 
 
-def _noise(evaluation: Evaluation, facts: dict[str, Any]) -> list[str]:
+def _noise(evaluation: Evaluation, facts: dict[str, Any]) -> str:
     alive = [picture for picture in facts["noise"] if picture["maximum"] != picture["minimum"]]
     still = [picture["port"] for picture in facts["noise"] if picture not in alive]
     if not facts["noise"]:
-        return []
-    blocks = [html.heading(2, "Noise")]
+        return ""
+    blocks = html.heading(2, "Noise")
     if alive:
         drawn = drawing.noise_png(
             [_picture(evaluation, one, one["port"]) for one in alive[:_MOST_NOISES]]
@@ -221,14 +220,14 @@ def _noise(evaluation: Evaluation, facts: dict[str, Any]) -> list[str]:
             "and their histograms."
         )
         caption += _not_shown([picture["port"] for picture in alive[_MOST_NOISES:]])
-        blocks.append(html.drawn(drawn, caption, "noise pictures and histograms"))
+        blocks += html.drawn(drawn, caption, "noise pictures and histograms")
     if still:
-        blocks.append(html.paragraph(f"Constant noise pictures, not drawn: {_listed(still)}."))
+        blocks += html.paragraph(f"Constant noise pictures, not drawn: {_listed(still)}.")
     return blocks
 
 
-def _readouts(facts: dict[str, Any]) -> list[str]:
-    blocks: list[str] = []
+def _readouts(facts: dict[str, Any]) -> str:
+    blocks = ""
     nodes = 0
     for name, node in facts["nodes"].items():
         rows = [
@@ -246,14 +245,14 @@ def _readouts(facts: dict[str, Any]) -> list[str]:
         nodes += bool(rows)
         if rows and nodes <= html.MOST_ROWS:
             heads = ("read-out", "value", "unit", "meaning")
-            blocks.append(html.heading(3, node["title"], aside=name))
-            blocks.append(html.report_grid(heads, rows, numbers=(1,), kind="readouts"))
+            blocks += html.heading(3, node["title"], aside=name)
+            blocks += html.report_grid(heads, rows, numbers=(1,), kind="readouts")
     if nodes > html.MOST_ROWS:
-        blocks.append(html.paragraph(html.first_of(nodes, "nodes with read-outs")))
-    return [html.heading(2, "Read-outs"), *blocks] if blocks else []
+        blocks += html.paragraph(html.first_of(nodes, "nodes with read-outs"))
+    return html.heading(2, "Read-outs") + blocks if blocks else ""
 
 
-def _nodes(facts: dict[str, Any]) -> list[str]:
+def _nodes(facts: dict[str, Any]) -> str:
     rows = []
     for name, node in facts["nodes"].items():
         values = [
@@ -271,11 +270,11 @@ def _nodes(facts: dict[str, Any]) -> list[str]:
         f"{seconds['evaluation']:.3f} s; the run took {seconds['total']:.3f} s before this report."
     )
     heads = ("node", "module", "set", "", "time")
-    return [
-        html.heading(2, "Nodes"),
-        html.report_grid(heads, rows, numbers=(4,)),
-        html.paragraph(words),
-    ]
+    return (
+        html.heading(2, "Nodes")
+        + html.report_grid(heads, rows, numbers=(4,))
+        + html.paragraph(words)
+    )
 
 
 # The section that reads as a camera's data sheet.
@@ -283,36 +282,36 @@ def _nodes(facts: dict[str, Any]) -> list[str]:
 Fact = dict[str, Any]
 
 
-def data_sheet(facts: Fact) -> list[str]:
+def data_sheet(facts: Fact) -> str:
     sheet = facts["data_sheet"]
     if sheet is None:
-        return []
-    blocks = [html.heading(2, "Data sheet")]
+        return ""
+    blocks = html.heading(2, "Data sheet")
     for group in sheet["groups"]:
         rows = [(r["label"], *_values(r["values"], r["unit"], r["between"])) for r in group["rows"]]
         if rows:
-            blocks.append(html.heading(3, group["title"], group["node"]))
-            blocks.append(html.report_grid(("figure", "value", "unit"), rows, numbers=(1,)))
+            blocks += html.heading(3, group["title"], group["node"])
+            blocks += html.report_grid(("figure", "value", "unit"), rows, numbers=(1,))
     for noise in sheet["noises"]:
         rows = [
             (row["label"], *(" ".join(_quantity(row[unit], unit)) for unit in ("e-", "K")))
             for row in noise["rows"]
         ]
-        blocks.append(html.heading(3, "Noise by source", noise["node"]))
-        blocks.append(html.report_grid(("noise", "electrons", "kelvin"), rows, numbers=(1, 2)))
+        blocks += html.heading(3, "Noise by source", noise["node"])
+        blocks += html.report_grid(("noise", "electrons", "kelvin"), rows, numbers=(1, 2))
     mtf = sheet["mtf"]
     if mtf is not None:
         x, y = _rounded(mtf["nyquist_x"]), _rounded(mtf["nyquist_y"])
-        blocks.append(html.heading(3, "MTF at the pixels' Nyquist frequency"))
+        blocks += html.heading(3, "MTF at the pixels' Nyquist frequency")
         where = f"At {x} cyc/mrad horizontally and {y} vertically"
-        blocks.append(html.paragraph(f"{where}: half a cycle per pixel of the final picture."))
+        blocks += html.paragraph(f"{where}: half a cycle per pixel of the final picture.")
         shown = [(r["label"], r["node"], _rounded(r["x"]), _rounded(r["y"])) for r in mtf["rows"]]
-        blocks.append(
-            html.report_grid(("stage", "node", "horizontal", "vertical"), shown, numbers=(2, 3))
+        blocks += html.report_grid(
+            ("stage", "node", "horizontal", "vertical"), shown, numbers=(2, 3)
         )
         rer = f"{_rounded(mtf['edge_x'])} horizontal, {_rounded(mtf['edge_y'])} vertical"
         what = "the rise of a blurred edge across one pixel, as a fraction of the edge's height"
-        blocks.append(html.paragraph(f"Relative edge response (RER): {rer}. RER is {what}."))
+        blocks += html.paragraph(f"Relative edge response (RER): {rer}. RER is {what}.")
     return blocks
 
 
@@ -342,12 +341,12 @@ def _rounded(value: Any) -> str:
 # The section on transfer functions: figures of every stage and of their product, and a table.
 
 
-def transfer(evaluation: Evaluation, facts: Fact) -> list[str]:
+def transfer(evaluation: Evaluation, facts: Fact) -> str:
     responses, chain = evaluation.responses, evaluation.chain
     acting = any(stage.acts for stage in responses.stages)
     if not acting and not responses.beside:
-        return []
-    blocks = [html.heading(2, "Transfer functions")]
+        return ""
+    blocks = html.heading(2, "Transfer functions")
     drawn_as = facts["drawn_as"]
     if acting:
         caption = (
@@ -369,18 +368,18 @@ def transfer(evaluation: Evaluation, facts: Fact) -> list[str]:
                 "vertical."
             )
         drawn = product_png(responses, chain)
-        blocks.append(
-            html.drawn(drawn, drawing.named(caption, drawn_as.get("total")), "product of the MTFs")
+        blocks += html.drawn(
+            drawn, drawing.named(caption, drawn_as.get("total")), "product of the MTFs"
         )
     if responses.beside:
         alone = replace(responses, stages=responses.beside, products=())
         caption = "Transfer functions of stages that are not on the path to the output shown."
         blocks += _stages(evaluation, alone, caption, "further stages")
-    return [*blocks, _at_nyquist(responses, facts["transfer"]["at_nyquist"])]
+    return blocks + _at_nyquist(responses, facts["transfer"]["at_nyquist"])
 
 
-def _stages(evaluation: Evaluation, shown: Responses, caption: str, what: str) -> list[str]:
-    blocks: list[str] = []
+def _stages(evaluation: Evaluation, shown: Responses, caption: str, what: str) -> str:
+    blocks = ""
     captions: dict[Part, str] = {
         "mtf": caption,
         "ptf": "PTFs of the stages in the figure above, in radians.",
@@ -389,9 +388,7 @@ def _stages(evaluation: Evaluation, shown: Responses, caption: str, what: str) -
         acting = sum(s.has_phase if part == "ptf" else s.has_blur for s in shown.stages)
         if acting:
             drawn = stages_png(shown, evaluation.chain, part)
-            blocks.append(
-                html.drawn(drawn, text + html.of_many(acting), f"{part.upper()} of {what}")
-            )
+            blocks += html.drawn(drawn, text + html.of_many(acting), f"{part.upper()} of {what}")
     return blocks
 
 
@@ -432,7 +429,7 @@ _KINDS = {
 }
 
 
-def economy(facts: Fact) -> list[str]:
+def economy(facts: Fact) -> str:
     budget = drawing.short(facts["run"]["tolerance"], 2)
     rows = []
     for kind, (what, why, detail) in _KINDS.items():
@@ -450,9 +447,9 @@ def economy(facts: Fact) -> list[str]:
                 (what, why.format(budget=budget), ", ".join(where[: html.MOST_ROWS]) + more)
             )
     if not rows:
-        return []
+        return ""
     heads = ("not computed", "because", "where")
-    return [html.heading(2, "Skipped computations"), html.report_grid(heads, rows, kind="economy")]
+    return html.heading(2, "Skipped computations") + html.report_grid(heads, rows, kind="economy")
 
 
 def state(listed: list[Fact]) -> str:

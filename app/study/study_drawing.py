@@ -192,8 +192,8 @@ def page(results: Results) -> str:
         ),
         html.heading(2, "Values"),
         _value_grid(results),
-        *_listed("Gaps", results.failures()),
-        *_listed("Warnings", results.warnings()),
+        _listed("Gaps", results.failures()),
+        _listed("Warnings", results.warnings()),
     ]
     return html.page(title, blocks)
 
@@ -219,8 +219,8 @@ def _value_grid(results: Results) -> str:
     return html.grid(heads, list(zip(*cells, strict=True)), numbers=range(len(heads)))
 
 
-def _listed(title: str, lines: list[tuple[str, str]]) -> list[str]:
-    return [html.heading(2, title), html.grid(("where", "why"), lines)] if lines else []
+def _listed(title: str, lines: list[tuple[str, str]]) -> str:
+    return html.heading(2, title) + html.grid(("where", "why"), lines) if lines else ""
 
 
 # A trade-off as text: the table of the terminal, CSV and JSON.

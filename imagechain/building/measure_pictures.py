@@ -1,6 +1,5 @@
 """Measure pictures of a camera, from files or arrays, and fit a chain to them."""
 
-import json
 from collections.abc import Mapping, Sequence
 from os import PathLike, fspath
 from pathlib import Path
@@ -14,10 +13,10 @@ from app.fit.fit_page import fit_facts, fit_text
 from app.fit.fit_result import FitResult
 from app.fit.picture_fit import fit_pictures, opened_pictures
 from app.measure import measuring
-from app.measure.measurement_page import measurement_json, write_measurement
+from app.measure.measurement_page import measurement_facts, write_measurement
 from app.measure.measurement_text import figure_rows, refused_lines, remarks
 from app.measure.picture_measurement import NO_DATA, PictureFile, PictureMeasurement, limits_of
-from app.run.terminal import columns, json_text
+from app.run.terminal import columns, json_text, jsonable
 from core.atomic import write_text
 from core.errors import DataError, ParameterError, UsageError
 from core.evaluation.work import Policy, Precision
@@ -56,7 +55,7 @@ class MeasuredPictures:
 
     def to_dict(self) -> dict[str, Any]:
         """The complete result as a dictionary, like the JSON of `imagechain measure --json`."""
-        content: dict[str, Any] = json.loads(measurement_json(self._measured))
+        content: dict[str, Any] = jsonable(measurement_facts(self._measured))
         return content
 
     @plain_errors

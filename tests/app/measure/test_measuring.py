@@ -8,7 +8,7 @@ from PIL import Image as Pillow
 from scipy import ndimage
 
 from app.handbook.example_figures import PAGES
-from app.measure.measurement_page import measurement_json, measurement_page
+from app.measure.measurement_page import measurement_facts, measurement_page
 from app.measure.measurement_text import figure_rows, refused_lines, remarks, with_error
 from app.measure.measuring import measure_pictures
 from app.measure.picture_measurement import PictureFile
@@ -99,7 +99,7 @@ def test_one_edge_has_one_error():
     assert edge.mtf50_sigma == pytest.approx(result.x.mtf50_sigma, rel=1e-9)
     text = with_error(result.x.mtf50, result.x.mtf50_sigma)
     assert measurement_page(result).count(text) == 2
-    (written,) = [one for one in json.loads(measurement_json(result))["edges"] if one["used"]]
+    (written,) = [one for one in measurement_facts(result)["edges"] if one["used"]]
     assert written["sigma"] == pytest.approx(result.x.mtf50_sigma, rel=1e-9)
 
 
