@@ -96,7 +96,7 @@ class NetworkRun:
     def facts(self, left_out: Sequence[str]) -> dict[str, Any]:
         evaluation = self.evaluation
         return {
-            "figures": [asdict(figure) for figure in self.figures],
+            "figures": self.figures,
             "readouts": evaluation.readouts,
             "warnings": [asdict(caution) for caution in evaluation.cautions],
             "skipped": [asdict(skip) for skip in self.skipped],

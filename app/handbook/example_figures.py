@@ -21,7 +21,6 @@ from core.evaluation.work import Policy, Work
 from core.modules.declaration import Declaration, Library, declaration
 from core.network.file import load_network
 from core.network.network import Link, Network, Node, reached
-from core.records import dataclass, field
 
 _WIDE, _HIGH = 5.2, 3.2  # inches of a plot
 _SMALLEST_PHASE = 1e-9
@@ -33,34 +32,17 @@ _LARGE = 240  # samples; a smaller picture is shown by larger squares
 Samples = NDArray[Any]
 
 
-@dataclass
-class Example:
+def example_of(declared: Declaration, engine: Engine) -> dict[str, Any]:
     """The drawings of a module's example as pieces of a page, or why there are none."""
-
-    figures: list[str] = field(default_factory=list)
-    settings: list[tuple[str, str]] = field(default_factory=list)
-    readouts: list[tuple[str, str, str]] = field(default_factory=list)
-    reason: str = ""
-
-    @property
-    def rows(self) -> list[list[str]]:
-        """Curves, and below them pictures."""
-        drawn = [drawing for drawing in self.figures if 'class="curve"' in drawing[:40]]
-        return [row for row in (drawn, [one for one in self.figures if one not in drawn]) if row]
-
-
-def example_of(declared: Declaration, engine: Engine) -> Example:
     if declared.key in NO_EXAMPLE:
-        return Example(reason=NO_EXAMPLE[declared.key])
+        return {"reason": NO_EXAMPLE[declared.key]}
     network = example_network(declared, engine.library)
     plan = engine.plan(network, folder=SHIPPED)
     work = engine.work(Policy())
-    params = network.nodes[IT].params
-    example = Example(settings=[(name, _shown(value)) for name, value in params.items()])
     try:
-        _draw(example, declared, engine, plan, work)
+        drawings = _drawings(declared, engine, plan, work)
         units = {readout.name: readout.unit for readout in declared.readouts}
-        example.readouts = [
+        readouts = [
             (name, _shown(value), units.get(name, ""))
             for name, value in engine.readouts(plan, IT, work).items()
             if value is not None
@@ -69,13 +51,17 @@ def example_of(declared: Declaration, engine: Engine) -> Example:
         # A plug-in's module may need more than the nodes that stand before it here, or be at fault:
         # its page states it, and the others are made.
         kind = "" if isinstance(error, ImagechainError) else f"{type(error).__name__}: "
-        return Example(reason=f"The example on this page failed: {kind}{in_line(str(error))}.")
-    return example
+        return {"reason": f"The example on this page failed: {kind}{in_line(str(error))}."}
+    settings = [(name, _shown(value)) for name, value in network.nodes[IT].params.items()]
+    # Curves, and below them pictures.
+    drawn = [drawing for drawing in drawings if 'class="curve"' in drawing[:40]]
+    rows = [row for row in (drawn, [one for one in drawings if one not in drawn]) if row]
+    return {"reason": "", "settings": settings, "rows": rows, "readouts": readouts}
 
 
-def _draw(example: Example, declared: Declaration, engine: Engine, plan: Plan, work: Work) -> None:
+def _drawings(declared: Declaration, engine: Engine, plan: Plan, work: Work) -> list[str]:
     outputs = plan.nodes[IT].outputs
-    shown = example.figures
+    shown: list[str] = []
     for name in ("mtf", "ptf"):
         if isinstance(outputs.get(name), Transfer):
             drawing = _transfer(outputs[name], engine.value(plan, f"{IT}.{name}", work))
@@ -90,9 +76,8 @@ def _draw(example: Example, declared: Declaration, engine: Engine, plan: Plan, w
             shown.append(picture(np.abs(samples), "the pupil; white areas transmit light"))
     if declared.key == "init_trans":
         spectrum = np.fft.fftshift(np.abs(engine.value(plan, f"{IT}.magnitude", work)))
-        shown.append(picture(np.log(spectrum + 1e-6), "logarithm of the magnitude"))
-        return
-    shown += _before_and_after(plan, engine, work)
+        return [*shown, picture(np.log(spectrum + 1e-6), "logarithm of the magnitude")]
+    return shown + _before_and_after(plan, engine, work)
 
 
 def _before_and_after(plan: Plan, engine: Engine, work: Work) -> list[str]:

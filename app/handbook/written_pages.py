@@ -128,7 +128,7 @@ def handbook_files(
     for entry in declared:
         progress(entry.title)
         address = module_address(entry.key)
-        later = None if drawn else figures.Example(reason=_LATER)
+        later = None if drawn else {"reason": _LATER}
         about: dict[str, Any] = {
             "page": module_page(entry, {one.title: f"{one.key}.html" for one in declared}),
             "example": later or figures.example_of(entry, engine),

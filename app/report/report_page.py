@@ -9,7 +9,7 @@ from app.report.data_sheet_facts import DIFFERENT, REPRODUCED, TIMES
 from app.report.drawing import picture_drawing as drawing
 from app.report.drawing.curves import MOST, Part, curves_png, node_curves, product_png, stages_png
 from app.report.edge_measurement import judged
-from app.run.evaluation import Evaluation, Figure, figure_rows, reduced, way_in_words
+from app.run.evaluation import Evaluation, figure_rows, reduced, way_in_words
 from app.run.terminal import four_digits, sized
 from app.run.transfer_chain import Responses
 from core.chain.engine import realize
@@ -24,7 +24,7 @@ _MOST_NAMES = 24
 def page(evaluation: Evaluation, facts: dict[str, Any]) -> str:
     network = facts["network"]
     title = network["name"] or "Image chain"
-    figures = figure_rows([Figure(**figure) for figure in facts["figures"]], drawing.number)
+    figures = figure_rows(facts["figures"], drawing.number)
     rows = [(name, f"{value} {unit}") for name, value, unit, _ in figures]
     card = html.report_grid(("figure", "value"), rows, numbers=(1,), kind="card") if rows else ""
     blocks = [

@@ -387,14 +387,12 @@ _MERITS: Mapping[str, tuple[tuple[tuple[str, ...], str], ...]] = {
 """Read-outs in one line and their caption, of the modules that measure and judge."""
 
 
-@dataclass(frozen=True)
-class Figure:
-    """One line of the summary: values of one unit, and the node that they are of."""
+Figure = dict[str, Any]
+"""One line of the summary: `caption`, `values` of one `unit`, and the `node` that they are of."""
 
-    caption: str
-    values: tuple[Any, ...]
-    unit: str
-    node: str
+
+def _figure(caption: str, values: tuple[Any, ...], unit: str, node: str) -> Figure:
+    return {"caption": caption, "values": values, "unit": unit, "node": node}
 
 
 def main_figures(evaluation: Evaluation) -> list[Figure]:
@@ -419,15 +417,16 @@ def figure_rows(
     """Caption, values, unit and node of each figure as text, in the sizes that data sheets use."""
     rows = []
     for figure in figures:
-        shown = [sized(value, figure.unit) for value in figure.values]
+        shown = [sized(value, figure["unit"]) for value in figure["values"]]
         units = {unit for value, unit in shown if value}
         if len(units) > 1:  # no size suits all
-            shown = [(four_digits(value), figure.unit) for value in figure.values]
-            units = {figure.unit}
+            shown = [(four_digits(value), figure["unit"]) for value in figure["values"]]
+            units = {figure["unit"]}
         values = [text(value) for value, _ in shown]
         if len(set(values)) == 1:
             del values[1:]
-        rows.append((figure.caption, ", ".join(values), (*units, figure.unit)[0], figure.node))
+        unit = next(iter(units), figure["unit"])
+        rows.append((figure["caption"], ", ".join(values), unit, figure["node"]))
     return rows
 
 
@@ -473,7 +472,7 @@ def _of_node(
     planned, found = evaluation.plan.nodes[name], evaluation.readouts.get(name, {})
     units = {readout.name: planned.unit(readout) for readout in planned.declaration.readouts}
     return [
-        Figure(caption, tuple(found[each] for each in names), units[names[0]], name)
+        _figure(caption, tuple(found[each] for each in names), units[names[0]], name)
         for names, caption in wanted
         if all(found.get(each) is not None for each in names)
     ]
@@ -486,7 +485,7 @@ def _output_figures(evaluation: Evaluation) -> list[Figure]:
     image: Image = evaluation.plan.output(port)
     seen = statistics(realize(image, evaluation.work), for_each=evaluation.work.for_each)
     values = (seen.minimum, seen.mean, seen.maximum)
-    return [Figure("Output: minimum, mean, maximum", values, image.unit, port)]
+    return [_figure("Output: minimum, mean, maximum", values, image.unit, port)]
 
 
 def _mtf_figures(evaluation: Evaluation) -> list[Figure]:
@@ -501,4 +500,4 @@ def _mtf_figures(evaluation: Evaluation) -> list[Figure]:
     pairs = zip(axes, places, strict=True)
     values = tuple(transfer_chain.mtf_at(work, chain.factors, place, axis) for axis, place in pairs)
     at = " × ".join(dict.fromkeys(f"{place:.4g}" for place in places))
-    return [Figure(f"{caption} ({at} cyc/mrad)", values, "", "all stages")]
+    return [_figure(f"{caption} ({at} cyc/mrad)", values, "", "all stages")]
