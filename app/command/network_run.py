@@ -7,9 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from app.run import evaluation as run
-from app.run import saving
-from app.run.option_values import Save
-from app.run.overrides import near
+from app.run import option_values, overrides, saving
 from app.run.staging import Staging, WriteRules, existing_folder
 from app.run.terminal import columns, json_text, warning_lines
 from app.run.transfer_chain import find_output, how_to_choose, mtf_csv
@@ -23,9 +21,8 @@ from core.evaluation.work import Policy
 from core.modules.declaration import NodeContext
 from core.network.validation import NetworkProblems
 from core.records import asdict, dataclass
+from nodes.files import file_format, formats
 from nodes.files import frames as frame_files
-from nodes.files.file_format import ZARR
-from nodes.files.formats import check_finite
 
 FINAL, MTF, READOUTS = "final.png", "mtf.csv", "readouts.json"
 KEPT_BYTES = 1 << 29
@@ -46,7 +43,7 @@ class Stage:
     look: Callable[[run.Evaluation], object] | None = None  # while pictures are held
     way: run.WayOfRunning = _IN_MEMORY  # in memory or in blocks, as it was chosen
     only_report: bool = False
-    saves: tuple[Save, ...] = ()
+    saves: tuple[option_values.Save, ...] = ()
     frames: int | None = None  # of each picture that is saved
     reports: tuple[Path, ...] = ()
     scratch: Path | None = None  # the folder for pictures that do not fit into memory
@@ -212,7 +209,7 @@ def _claim(plan: Plan, stage: Stage, policy: Policy) -> list[_Saved]:
         found = saved.series(policy, on_disk=way.on_disk(value, policy))
         if found is None:
             saving.check_suffix(save.port, value, path)
-            if ZARR.matches(path):
+            if file_format.ZARR.matches(path):
                 found = (
                     frame_files.STORE,
                     saving.series_of(value, frame_files.STORE, policy, frames=1, region=region),
@@ -252,10 +249,10 @@ def _port_value(plan: Plan, node: str, port: str) -> Any:
         return plan.nodes[name].outputs[output]
     known = plan.nodes.get(node)
     if known is None:
-        hint = near(node, plan.nodes)
+        hint = overrides.near(node, plan.nodes)
         raise UsageError(f"--save {node}.{port}: the network has no node {node!r:.80}{hint}")
     if port not in known.outputs:
-        hint = near(port, known.outputs)
+        hint = overrides.near(port, known.outputs)
         raise UsageError(f"--save {node}.{port}: {node} has no output {port!r:.80}{hint}")
     return known.outputs[port]
 
@@ -313,7 +310,7 @@ def sink_files(evaluation: run.Evaluation) -> list[tuple[str, Path, Callable[[Pa
 
 def _final_png(evaluation: run.Evaluation, port: str, path: Path) -> None:
     samples = realize(evaluation.plan.output(port), evaluation.work)
-    check_finite(samples, port)
+    formats.check_finite(samples, port)
     samples = run.reduced(samples, evaluation.work)
     levels = saving.grey_levels(*saving.robust_limits(samples), samples)
     write_bytes(path, saving.encode_png(levels))

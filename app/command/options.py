@@ -13,9 +13,7 @@ from typing import TYPE_CHECKING, Any, Self, TypeVar
 
 import click
 
-from app.run import option_values
-from app.run.shipped import Place, every_network, find_network
-from app.run.terminal import json_text, too_late
+from app.run import option_values, shipped, terminal
 from core.errors import Cancelled, UsageError, close, shown
 from core.modules.parameters import LARGEST_INTEGER
 from nodes.files.file_format import JSON, Format, suffixes
@@ -44,7 +42,7 @@ def _completed(
     """What a shell may complete: the names of networks where one is wanted, else files."""
     from click.shell_completion import CompletionItem
 
-    names = every_network() if word.name == "network" else ()
+    names = shipped.every_network() if word.name == "network" else ()
     found = [CompletionItem(name) for name in names if name.startswith(incomplete)]
     return found or [CompletionItem(incomplete, type="file")]
 
@@ -274,7 +272,7 @@ def network_options(function: Function) -> Function:
         seed: int | None = None, **more: Any,
     ) -> Any:  # fmt: skip
         details = {name: more.pop(name) for name in [*more] if name.startswith("scene_")}
-        place = find_network(network)
+        place = shipped.find_network(network)
         from app.run.overrides import GivenNetwork
 
         asked = GivenNetwork(place, settings, disabled, final, scenes, details, seed)
@@ -316,7 +314,7 @@ def _scene(option: str, text: str) -> str:
     return text
 
 
-def opened(asked: GivenNetwork, json: bool) -> tuple[Library, Place, Network]:
+def opened(asked: GivenNetwork, json: bool) -> tuple[Library, shipped.Place, Network]:
     from nodes.library import standard_library
 
     library = standard_library()
@@ -385,7 +383,7 @@ def written(
         for path in outputs:
             staging.write(path, partial(write_content, content=content(made, path)))
         check_stop(stop)
-        too_late(stop)
+        terminal.too_late(stop)
         staging.commit()
     return made
 
@@ -414,7 +412,7 @@ def show(json: object, facts: Callable[[], Any], *lines: str) -> None:
     """Print the result of a command: as JSON where `json` is True, else in lines."""
     say(json, *lines)
     if json is True:
-        print(json_text(facts()), end="", flush=True)
+        print(terminal.json_text(facts()), end="", flush=True)
 
 
 class Progress:

@@ -11,9 +11,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from app.command import options
+from app.run import option_values, shipped
 from app.run import option_values as values
-from app.run.option_values import Save
-from app.run.shipped import find_network
 from app.run.terminal import Stop, too_late
 from core.errors import ImagechainError, InputError, UsageError, in_line, several
 from core.records import asdict
@@ -60,7 +59,7 @@ def edit(
 ) -> None:
     """Open the editor, or save a screenshot of it."""
     if network:
-        find_network(network)  # a misspelt name is told before what takes long to load
+        shipped.find_network(network)  # a misspelt name is told before what takes long to load
     from app.editor import qt_libraries as qt
 
     if screenshot is not None:
@@ -152,7 +151,7 @@ def run(
     stop: Stop,
     asked: GivenNetwork,
     policy: Policy,
-    saves: tuple[Save, ...],
+    saves: tuple[option_values.Save, ...],
     frames: int | None,
     output_dir: Path | None,
     allowed: tuple[Path, ...],
@@ -229,10 +228,9 @@ def check(
 ) -> None:
     """Print a network's errors and warnings, and the files that a run would write."""
     from app.command.network_run import FINAL, input_files, own_files, sink_targets
+    from app.run import terminal, transfer_chain
     from app.run.evaluation import planned
     from app.run.staging import Staging
-    from app.run.terminal import warning_lines
-    from app.run.transfer_chain import find_output, how_to_choose
     from core.chain.engine import Engine
     from core.network.validation import NetworkProblems
 
@@ -257,8 +255,8 @@ def check(
         raised.exit_code = error.exit_code  # 1 for the fault of a plug-in
         raise raised from None
     cautions = plan.warnings()
-    warnings = warning_lines(cautions)
-    if choose := how_to_choose(find_output(plan)):
+    warnings = terminal.warning_lines(cautions)
+    if choose := transfer_chain.how_to_choose(transfer_chain.find_output(plan)):
         warnings.append(f"warning: no {FINAL}: {choose}")
     count = f", {several(len(warnings), 'warning')}" if warnings else ""
     size = f"{several(len(network.nodes), 'node')}, {several(len(network.links), 'link')}"

@@ -57,14 +57,13 @@ def tradeoff(
     If the network fails at a value, the table has a gap, and the reason is printed.
     """
     from app.command.network_run import input_files
-    from app.run.overrides import OPTION, variations
-    from app.run.terminal import warned_points
+    from app.run import overrides, terminal
     from app.study.study_drawing import failures, table, trade_off_content, trade_off_facts
     from app.tradeoff.tradeoff_results import Results, chosen_figures, shown_value, trade_off
     from core.chain.engine import Engine
 
     library, place, network = options.opened(asked, json)
-    axes = variations(vary, network, library)
+    axes = overrides.variations(vary, network, library)
     along = axes[-1]
     chosen = chosen_figures(figures, network, library)
     engine = Engine(library)
@@ -84,7 +83,7 @@ def tradeoff(
         if (why := results.why_nothing()) is not None:
             why = why and f": {why}"
             raise UsageError(
-                f"{OPTION} {along.text}: no figure could be computed at any value{why}"
+                f"{overrides.OPTION} {along.text}: no figure could be computed at any value{why}"
             )
         return results
 
@@ -96,7 +95,7 @@ def tradeoff(
         lines += ["", *map(in_line, reasons)]
     if outputs:
         lines += ["", in_line(", ".join(map(str, outputs)))]
-    warned = warned_points([point.warnings for point in results.points])
+    warned = terminal.warned_points([point.warnings for point in results.points])
     options.show(json, lambda: trade_off_facts(results), *lines, *warned)
 
 
@@ -175,18 +174,17 @@ def study(
     give the same command again; finished rows are saved in OUTPUT.journal.
     """
     from app.run.overrides import FORM, OPTION
-    from app.study.study_request import carry_out, make_study
-    from app.study.study_rows import Workers
+    from app.study import study_request, study_rows
 
     begun = time.perf_counter()
     library, place, network = options.opened(asked, json)
-    workers = Workers(_jobs(jobs, scheduler), scheduler, memory_bytes)
+    workers = study_rows.Workers(_jobs(jobs, scheduler), scheduler, memory_bytes)
     workers.check()
     settings = [values.assignment(OPTION, text, FORM) for text in vary]
     labels = [setting.port for setting in settings]
     if twice := next((label for label in labels if labels.count(label) > 1), None):
         raise UsageError(f"{OPTION} {twice} is given twice: give each parameter once")
-    wanted = make_study(
+    wanted = study_request.make_study(
         network, name=network.name or place.name, folder=place.folder, library=library,
         vary={setting.port: setting.text for setting in settings}, policy=policy,
         read=[place.path], output=output, summaries=summaries, **points,
@@ -202,7 +200,7 @@ def study(
         return " ".join(words)[:60]
 
     with options.Progress(len(wanted.points), time_left=True) as progress:
-        result = carry_out(
+        result = study_request.carry_out(
             wanted, workers, output=output, summaries=summaries, fresh=fresh,
             reached=lambda done: progress.reach(done, where(done)), cancel=stop,
         )  # fmt: skip

@@ -19,9 +19,8 @@ from core.physics.measurement.photon_transfer import (
 )
 from core.physics.noise.noise_components import COMPONENTS, NoiseCube
 from core.records import dataclass
-from nodes.files.file_format import JSON
+from nodes.files import file_format, table_cells
 from nodes.files.frames import FrameFile, check_one_camera, open_frames
-from nodes.files.table_cells import csv_lines
 
 _MOSTLY = 0.5  # of the fixed pattern, from which on that is the field's more than the pixels'
 Row = tuple[str, float | None, str, str]
@@ -49,12 +48,12 @@ class UniformFields:
         return [columns(figures, right=(1,)) + "\n", levels, *map(in_line, self.remarks)]
 
     def content(self, path: Path) -> str:
-        if JSON.matches(path):
+        if file_format.JSON.matches(path):
             return json_text(self.facts)
         rows = [("name", "value", "unit", "meaning")]
         for name, value, unit, meaning in (*self.figures, *self.table):
             rows.append((name, "" if value is None else repr(value), unit, meaning))
-        return csv_lines(rows)
+        return table_cells.csv_lines(rows)
 
 
 # Gain, noise and full well from flat fields.

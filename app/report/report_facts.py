@@ -4,19 +4,14 @@ import time
 from pathlib import Path
 from typing import Any
 
-from app.report.budget import budget_facts, spectrum_facts
+from app.report import budget, edge_measurement
 from app.report.data_sheet_facts import conflicts, data_sheet_facts, is_changed, published_rows
-from app.report.drawing.curves import curve_facts
-from app.report.drawing.picture_drawing import drawn_as
-from app.report.edge_measurement import judged_facts
+from app.report.drawing import curves, picture_drawing
+from app.run import terminal, transfer_chain
 from app.run.evaluation import Evaluation, main_figures
-from app.run.terminal import json_text, versions
-from app.run.transfer_chain import StageResponse, at_nyquist, ending_images
-from core.atomic import write_text
-from core.chain.engine import PlannedNode, realize
+from core import atomic, errors
+from core.chain import engine, wires
 from core.chain.skipped import Skip
-from core.chain.wires import Image, Table
-from core.errors import printable, thaw
 from core.modules.parameters import plain
 from core.records import asdict
 from core.transfer.periodic import backend
@@ -29,17 +24,17 @@ NOISE_PORTS = ("noise", "detector_noise", "quantization_error")
 def write_report(evaluation: Evaluation, skipped: tuple[Skip, ...], path: Path) -> None:
     facts = report_facts(evaluation, skipped)
     if JSON.matches(path):
-        text = json_text(facts, indent=1)
+        text = terminal.json_text(facts, indent=1)
     else:
         from app.report.report_page import page
 
-        text = printable(page(evaluation, facts))
-    write_text(path, text)
+        text = errors.printable(page(evaluation, facts))
+    atomic.write_text(path, text)
 
 
 def report_facts(evaluation: Evaluation, skipped: tuple[Skip, ...]) -> dict[str, Any]:
     network, chain = evaluation.network, evaluation.chain
-    nyquist = at_nyquist(chain, evaluation.work)
+    nyquist = transfer_chain.at_nyquist(chain, evaluation.work)
     nodes = {name: _node(evaluation, name, node) for name, node in evaluation.plan.nodes.items()}
     return {
         "format": "imagechain-report",
@@ -57,7 +52,7 @@ def report_facts(evaluation: Evaluation, skipped: tuple[Skip, ...]) -> dict[str,
             *([picture_facts(evaluation, chain.final, "output")] if chain.final else []),
             *(
                 picture_facts(evaluation, port, "other output")
-                for port in ending_images(evaluation.plan)
+                for port in transfer_chain.ending_images(evaluation.plan)
                 if port not in (chain.final, *chain.sources)
             ),
         ],
@@ -70,11 +65,11 @@ def report_facts(evaluation: Evaluation, skipped: tuple[Skip, ...]) -> dict[str,
             "products": [_stage(stage) for stage in evaluation.responses.products],
             "at_nyquist": nyquist,
         },
-        "judged": judged_facts(evaluation),
-        "drawn_as": drawn_as(network),
-        "curves": curve_facts(evaluation),
-        "budget": budget_facts(evaluation),
-        "spectra": spectrum_facts(evaluation),
+        "judged": edge_measurement.judged_facts(evaluation),
+        "drawn_as": picture_drawing.drawn_as(network),
+        "curves": curves.curve_facts(evaluation),
+        "budget": budget.budget_facts(evaluation),
+        "spectra": budget.spectrum_facts(evaluation),
         "figures": main_figures(evaluation),
         "data_sheet": data_sheet_facts(evaluation, nodes),
         "nodes": nodes,
@@ -89,14 +84,14 @@ def noise_ports(evaluation: Evaluation) -> list[str]:
         f"{name}.{port}"
         for name, node in evaluation.plan.nodes.items()
         for port in NOISE_PORTS
-        if isinstance(node.outputs.get(port), Image) and not node.node.disabled
+        if isinstance(node.outputs.get(port), wires.Image) and not node.node.disabled
     ]
 
 
 def picture_facts(evaluation: Evaluation, port: str, role: str) -> dict[str, Any]:
     """Size, sampling and statistics of a picture; σ is of all its samples."""
-    image: Image = evaluation.plan.output(port)
-    seen = statistics(realize(image, evaluation.work), for_each=evaluation.work.for_each)
+    image: wires.Image = evaluation.plan.output(port)
+    seen = statistics(engine.realize(image, evaluation.work), for_each=evaluation.work.for_each)
     names = ("columns", "rows", "interval_x_mrad", "interval_y_mrad", "unit", "band_um")
     about = {name: getattr(image, name) for name in names}
     return {"port": port, "role": role, **about, **asdict(seen)}
@@ -111,13 +106,13 @@ def _run(evaluation: Evaluation) -> dict[str, Any]:
         "tolerance": policy.budget,
         "seed": evaluation.network.seed,
         "seconds": dict(evaluation.seconds),
-        "versions": versions(),
+        "versions": terminal.versions(),
         "transforms": backend(),
         "way": dict(evaluation.way),
     }
 
 
-def _stage(stage: StageResponse) -> dict[str, Any]:
+def _stage(stage: transfer_chain.StageResponse) -> dict[str, Any]:
     return {
         "name": stage.name,
         "title": stage.title,
@@ -136,7 +131,7 @@ def _skipped(skipped: tuple[Skip, ...]) -> dict[str, list[dict[str, Any]]]:
     return nodes
 
 
-def _node(evaluation: Evaluation, name: str, node: PlannedNode) -> dict[str, Any]:
+def _node(evaluation: Evaluation, name: str, node: engine.PlannedNode) -> dict[str, Any]:
     declared = node.declaration
     values = evaluation.readouts.get(name, {})
     assert node.module is not None
@@ -146,7 +141,7 @@ def _node(evaluation: Evaluation, name: str, node: PlannedNode) -> dict[str, Any
         "disabled": node.node.disabled,
         "neutral": node.is_neutral,
         "seconds": evaluation.work.seconds.get(name, 0.0),
-        "set": sorted(thaw(node.node.params)),
+        "set": sorted(errors.thaw(node.node.params)),
         "parameters": {
             each.name: {"value": plain(getattr(node.module, each.name)), "unit": each.param.unit}
             for each in declared.parameters
@@ -159,9 +154,9 @@ def _node(evaluation: Evaluation, name: str, node: PlannedNode) -> dict[str, Any
         "tables": {
             port: [
                 {"name": r.name, "value": r.value, "unit": r.unit, "meaning": r.meaning}
-                for r in realize(value, evaluation.work).rows
+                for r in engine.realize(value, evaluation.work).rows
             ]
             for port, value in node.outputs.items()
-            if isinstance(value, Table)
+            if isinstance(value, wires.Table)
         },
     }

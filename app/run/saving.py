@@ -14,15 +14,15 @@ from numpy.typing import NDArray
 
 from app.run.option_values import Save
 from core import atomic, errors, machine
-from core.chain.engine import realize
-from core.chain.random_fields import at_frame
+from core.chain import engine, random_fields
 from core.chain.wires import Context, Curve, CurveData, Image, Table, TableData
 from core.evaluation.recipes import Region, number_bits
 from core.evaluation.work import Policy, Work
 from nodes.files import arrays, formats, table_cells, zarr_array
 from nodes.files import frames as frame_files
+from nodes.files.arrays import write_matrix
 from nodes.files.file_format import CSV, ENVI_FRAMES, ZARR, Format, suffixes
-from nodes.input_output.write_image import Cube, curve_columns
+from nodes.input_output import write_image
 
 Array = NDArray[Any]
 _TABLES = (CSV,)
@@ -64,7 +64,7 @@ def save_value(
     if isinstance(value, Image) and is_cube(value, path):
         cube_of(value, work.policy, region).write(path, work, name=port)
         return
-    made = realize(value, work, region)
+    made = engine.realize(value, work, region)
     if isinstance(made, TableData):
         _save_rows(path, [(row.name, row.value, row.unit, row.meaning) for row in made.rows])
     elif isinstance(made, Context):
@@ -82,9 +82,9 @@ def is_cube(value: Any, path: Path) -> bool:
     return isinstance(value, Image) and value.bands is not None and ENVI_FRAMES.matches(path)
 
 
-def cube_of(image: Image, policy: Policy, region: Region | None = None) -> Cube:
+def cube_of(image: Image, policy: Policy, region: Region | None = None) -> write_image.Cube:
     shape = region.shape if region else image.shape
-    return Cube(image, policy.dtype, metadata_of(image, shape), region)
+    return write_image.Cube(image, policy.dtype, metadata_of(image, shape), region)
 
 
 def real_array(made: Array, work: Work) -> Array:
@@ -147,7 +147,7 @@ def metadata_of(image: Image, shape: tuple[int, ...]) -> dict[str, Any]:
 def _save_curve(path: Path, curve: CurveData, work: Work) -> None:
     shared = all(np.array_equal(series.x, curve.series[0].x) for series in curve.series[1:])
     if CSV.matches(path) and shared and curve.series:
-        arrays.write_curves(path, curve, curve_columns(curve))
+        arrays.write_curves(path, curve, write_matrix.curve_columns(curve))
     elif CSV.matches(path):
         points = [
             (series.label, repr(float(x)), repr(float(y)))
@@ -158,7 +158,7 @@ def _save_curve(path: Path, curve: CurveData, work: Work) -> None:
             path, table_cells.csv_lines([("series", curve.x_label, curve.y_label), *points])
         )
     elif shared and curve.series:
-        columns = np.stack(list(curve_columns(curve).values()), axis=1)
+        columns = np.stack(list(write_matrix.curve_columns(curve).values()), axis=1)
         save_array(path, real_array(columns, work), {})
     else:
         raise errors.UsageError(f"{path}: curves with different axes must be written as .csv")
@@ -285,7 +285,7 @@ def save_frames(
     """Write frames one after the other; `done` gets the number of frames written."""
     kind = format_for_frames(port, path)
     series = series_of(image, kind, work.policy, frames=frames, region=region)
-    recipes = (at_frame(image.recipe, number) for number in range(frames))
+    recipes = (random_fields.at_frame(image.recipe, number) for number in range(frames))
 
     def made() -> Iterator[NDArray[Any]]:
         for number, value in enumerate(work.one_by_one(recipes, region, forgetting=True)):

@@ -7,9 +7,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from core.chain.back_transformed import Delivered
+from core.chain import back_transformed, step_lineage
 from core.chain.engine import Plan, PlannedNode
-from core.chain.step_lineage import lineage_of
 from core.chain.wires import Image, Transfer
 from core.errors import FAULTS, ImagechainError, NetworkError, shown, thaw
 from core.evaluation.recipes import Recipe
@@ -314,11 +313,11 @@ def find_chain(plan: Plan) -> Chain:
     )
 
 
-def _delivered(plan: Plan, upstream: set[str]) -> tuple[str, Delivered] | None:
+def _delivered(plan: Plan, upstream: set[str]) -> tuple[str, back_transformed.Delivered] | None:
     """The last node whose picture comes straight out of an inverse transform."""
     for name in reversed([name for name in plan.nodes if name in upstream]):
         for value in plan.nodes[name].outputs.values():
-            if isinstance(value, Image) and isinstance(value.recipe, Delivered):
+            if isinstance(value, Image) and isinstance(value.recipe, back_transformed.Delivered):
                 return name, value.recipe
     return None
 
@@ -339,7 +338,7 @@ def _combined(plan: Plan, names: Iterable[str]) -> Grid | None:
 def _combines_pixels(image: Image, node: str) -> bool:
     """Whether the last step to the picture, or one before it at the node, combines pixels."""
     recipe: Recipe | None = image.recipe
-    while recipe is not None and (lineage := lineage_of(recipe)) is not None:
+    while recipe is not None and (lineage := step_lineage.lineage_of(recipe)) is not None:
         if lineage.linear.combines_pixels:
             return True
         before = lineage.picture

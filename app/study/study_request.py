@@ -35,8 +35,7 @@ from core.modules.parameters import Parameter
 from core.network.network import Network
 from core.network.validation import check_network, plain_network
 from core.records import replace
-from nodes.files.file_format import CSV
-from nodes.files.table_cells import plain_cell
+from nodes.files import file_format, table_cells
 from nodes.library import standard_library
 
 # The points: a value for each axis.
@@ -73,7 +72,7 @@ def sampled(
             f"--vary {next(iter(vary)):.80}: works only with --sample grid or latin; the points "
             f"come from {sample:.120}"
         )
-    if not CSV.matches(Path(sample)):
+    if not file_format.CSV.matches(Path(sample)):
         raise errors.UsageError(
             f"--sample {sample:.120}: write grid, latin, or the name of a .csv file"
         )
@@ -128,7 +127,7 @@ def listed_points(
             f"{name}: fewer than two lines. The first line must name the parameters as NODE.PARAM, "
             "and each further line must give one point"
         )
-    heads = [plain_cell(head.strip()) for head in lines[0]]
+    heads = [table_cells.plain_cell(head.strip()) for head in lines[0]]
     labels = [head.partition(" (")[0] for head in heads]
     if len(set(labels)) < len(labels):
         raise errors.FileError(f"{name}: two columns have the same name")
@@ -146,7 +145,7 @@ def listed_points(
         if head not in (label, axis.title):
             unit = axis.unit or "none"
             raise errors.FileError(f"{name}: column {head}: the parameter's unit is {unit}")
-        cells = enumerate((plain_cell(line[place].strip()) for line in lines[1:]), 2)
+        cells = enumerate((table_cells.plain_cell(line[place].strip()) for line in lines[1:]), 2)
         values = [_read(axis, cell, f"{name}: line {number}") for number, cell in cells]
         columns.append([overrides.from_here(value, parameter, path.parent) for value in values])
         axes.append(_of_files(replace(axis, values=tuple(dict.fromkeys(columns[-1])))))
@@ -290,7 +289,7 @@ def make_study(
     setting = study_rows.Setting(network, folder.absolute(), *what, policy or Policy(), version())
     files = file_names(saves, axes, every) if saves else []
     study = study_rows.Study(name, setting, library, axes, every, files)
-    listed_in = [Path(sample)] if CSV.matches(Path(sample)) else []
+    listed_in = [Path(sample)] if file_format.CSV.matches(Path(sample)) else []
     study.check_places([*filter(None, [output]), *summaries], [*read, *listed_in])
     return study
 

@@ -21,17 +21,15 @@ from app.run.staging import Staging, check_folder
 from app.tradeoff.tradeoff_results import Figure, PointEvaluator, nodes_after
 from core import errors
 from core.atomic import atomic_file, is_held, take, write_bytes, write_text
-from core.chain.engine import Engine, Plan
-from core.chain.wires import Image
+from core.chain import engine, wires
 from core.evaluation.recipes import Store, content_key
 from core.evaluation.work import Policy, Work
 from core.machine import store_bytes
 from core.modules.declaration import Library, declaration
 from core.network.network import Network, Node
 from core.records import dataclass
+from nodes.files import formats, table_cells
 from nodes.files.file_format import NETCDF, PARQUET
-from nodes.files.formats import check_finite
-from nodes.files.table_cells import csv_lines
 
 KEPT_BYTES = 256_000_000
 """How much computed values may take in a process: neighbouring points share little more."""
@@ -133,7 +131,7 @@ class RowMaker:
         kept = setting.memory_bytes
         if kept is None:
             kept = min(KEPT_BYTES * share, store_bytes())
-        self._engine = Engine(library, Store(kept // share))
+        self._engine = engine.Engine(library, Store(kept // share))
         plan = self._engine.plan(setting.network, folder=setting.folder)
         self._evaluator = PointEvaluator(self._engine, plan, setting.targets, setting.figures)
         self._checked: dict[str, errors.ImagechainError | None] = {}
@@ -162,7 +160,7 @@ class RowMaker:
             for save, file in zip(self.setting.saves, files, strict=True):
                 self._save(plan, work, save, Path(file))
             saved = [plan.output(save.port) for save in self.setting.saves]
-            images = [value.recipe for value in saved if isinstance(value, Image)]
+            images = [value.recipe for value in saved if isinstance(value, wires.Image)]
             warnings = self._evaluator.warnings_of(plan, work, images)
         except errors.Cancelled:
             raise
@@ -179,14 +177,14 @@ class RowMaker:
         why = errors.in_line("; ".join(dict.fromkeys(reasons)))
         return Row(place, figures, key, took, why, tuple(map(errors.in_line, warnings)))
 
-    def _save(self, plan: Plan, work: Work, save: option_values.Save, file: Path) -> None:
+    def _save(self, plan: engine.Plan, work: Work, save: option_values.Save, file: Path) -> None:
         value = plan.output(save.port)
         with errors.placed(save.node), errors.writing(file):
             region = saving.region_of(save, value)
             file.parent.mkdir(parents=True, exist_ok=True)
             saving.save_value(value, file, work, port=save.port, region=region)
 
-    def _check_sources(self, plan: Plan, work: Work) -> None:
+    def _check_sources(self, plan: engine.Plan, work: Work) -> None:
         """Refuse samples that are not finite, of every picture once that has been read."""
         for port in transfer_chain.source_images(plan):
             recipe = plan.output(port).recipe
@@ -195,7 +193,7 @@ class RowMaker:
                     continue
                 samples, self._checked[recipe.key] = work.value(recipe), None
                 try:
-                    check_finite(samples, port)
+                    formats.check_finite(samples, port)
                 except errors.ImagechainError as error:
                     self._checked[recipe.key] = error.at(port.rpartition(".")[0])
             fault = self._checked[recipe.key]
@@ -405,7 +403,7 @@ def write_columns(columns: Sequence[Column], path: Path, title: str) -> None:
 
 def csv_of(columns: Sequence[Column]) -> str:
     heads = [column.head for column in columns]
-    return csv_lines(
+    return table_cells.csv_lines(
         [heads, *zip(*(map(terminal.exact, column.values) for column in columns), strict=True)]
     )
 

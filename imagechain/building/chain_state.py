@@ -10,8 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from app.run.own_scene import OwnScene, with_own_scene
-from app.run.terminal import columns
+from app.run import own_scene, terminal
 from core.atomic import atomic_file, write_text
 from core.chain.engine import Engine, Plan, PlannedNode
 from core.editing.document import rebased
@@ -28,8 +27,7 @@ from core.records import dataclass, field, replace
 from imagechain.parts.module_part import Part, file_value, known_parameter, shown_value
 from imagechain.parts.plain_errors import block, table
 from imagechain.results.chain_result import current_folder
-from nodes.files.arrays import write_npy
-from nodes.files.frames import FrameSeries, envi_header_text, header_beside_frames
+from nodes.files import arrays, frames
 from nodes.input_output import read_image, sample_unit, source_file
 from nodes.library import standard_library
 
@@ -169,11 +167,11 @@ class ChainState:
             "that kind. Set after= to a node with such an output, or set wired=False and use link()"
         )
 
-    def with_scene(self, own: OwnScene, node: str | None, engine: Engine) -> ChainState:
+    def with_scene(self, own: own_scene.OwnScene, node: str | None, engine: Engine) -> ChainState:
         """Return the state with a picture as its scene; errors as for `with_own_scene`."""
         is_array = isinstance(own.picture, np.ndarray)
         stored = None if is_array else fspath(self._own_path(own.picture))
-        new = with_own_scene(
+        new = own_scene.with_own_scene(
             self.network, own, library=engine.library, plan=self.plan(engine), node=node,
             stored=stored, engine=engine,
         )  # fmt: skip
@@ -333,7 +331,7 @@ _PLAIN = re.compile(r"[^\w.-]+")
 def _write(file: Path, held: source_file.HeldSamples, *, named: bool) -> None:
     """Write samples: a picture as ``.npy``, a cube as ENVI has it, with its header beside it."""
     if held.wavelengths_um is None:
-        write_npy(file, held.samples)
+        arrays.write_npy(file, held.samples)
         return
     fields: dict[str, str | tuple[float, ...]] = {
         "wavelength_units": "Micrometers",
@@ -345,10 +343,10 @@ def _write(file: Path, held: source_file.HeldSamples, *, named: bool) -> None:
         fields["fwhm"] = held.widths_um
     dtype = held.samples.dtype.newbyteorder("<")
     bands, rows, columns = held.samples.shape
-    series = FrameSeries(bands, rows, columns, dtype, fields, "bands")
+    series = frames.FrameSeries(bands, rows, columns, dtype, fields, "bands")
     with atomic_file(file) as temporary, temporary.open("wb") as opened:
         opened.write(np.ascontiguousarray(held.samples, dtype).data)
-    write_text(header_beside_frames(file), envi_header_text(series))
+    write_text(frames.header_beside_frames(file), frames.envi_header_text(series))
 
 
 # One node of a chain, with its parameters as attributes.
@@ -472,7 +470,7 @@ class ChainNode:
     def __repr__(self) -> str:
         head = f"<{self._name}: {self.title}>"
         rows = [("  " + name, value, unit) for name, value, unit, _ in self.rows()]
-        return f"{head}\n{columns(rows)}" if rows else head
+        return f"{head}\n{terminal.columns(rows)}" if rows else head
 
     def _repr_html_(self) -> str:
         heads = ("parameter", "value", "unit", "meaning")

@@ -12,8 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.run.option_values import save_target, summary_path
-from app.study.study_request import run_study
-from app.study.study_rows import Workers
+from app.study import study_request, study_rows
 from core.errors import UsageError
 from core.evaluation.work import Policy, Precision
 from imagechain.building.chain import Chain
@@ -117,9 +116,9 @@ def study(
     files = _texts("summary", summary, str | PathLike, "a file, or a list of files")
     own = chain if isinstance(chain, Chain) else open_chain(chain)
     file = own._state.file
-    rows = run_study(
+    rows = study_request.run_study(
         own.network,
-        Workers(jobs, scheduler, memory_bytes=memory_bytes),
+        study_rows.Workers(jobs, scheduler, memory_bytes=memory_bytes),
         name="" if file is None else file.stem,
         folder=own.folder,
         read=[] if file is None else [file],

@@ -14,14 +14,12 @@ from app.run.preset_files import shipped_presets
 from core.errors import DataError, NetworkError, ParameterError, close, placed, shown, thaw
 from core.modules.declaration import Declaration, declaration, local_key
 from core.modules.parameters import Parameter, plain
-from core.network.file import read_network
+from core.network import file, macro
 from core.network.linked_values import expression as raw_expression
-from core.network.macro import declared_node
 from core.network.network import Network
 from core.records import dataclass, field
 from imagechain.parts.plain_errors import plain_errors
-from nodes.input_output.read_image import ReadImage
-from nodes.input_output.source_file import HeldSamples
+from nodes.input_output import read_image, source_file
 from nodes.library import standard_library
 
 
@@ -48,7 +46,7 @@ class Part:
 
     module: str
     params: Mapping[str, Any] = field(default_factory=dict)
-    samples: HeldSamples | None = field(default=None, repr=False)
+    samples: source_file.HeldSamples | None = field(default=None, repr=False)
     name: str = ""
     inside: Network | None = field(default=None, repr=False)
 
@@ -229,8 +227,8 @@ def preset(name: str, **values: Any) -> Part:
     if name not in places:
         hint = close(name, places) or f"; the presets are {', '.join(places)}"
         raise NetworkError(f"there is no preset {shown(name)}{hint}")
-    (node,) = read_network(places[name], library=library).nodes.values()
-    declared = declared_node(node, library)
+    (node,) = file.read_network(places[name], library=library).nodes.values()
+    declared = macro.declared_node(node, library)
     assert declared is not None
     own = {
         parameter.name: str(places[name].parent / node.params[parameter.name])
@@ -303,11 +301,11 @@ def scene(
         array = samples if isinstance(samples, np.ndarray) else np.asarray(samples)
     except (TypeError, ValueError) as error:  # rows of unequal length, objects
         raise DataError(f"the array cannot be converted to numbers: {error}") from None
-    held = HeldSamples.of(array, "the array", centres, _numbers("widths_um", widths_um))
-    params = file_values(declaration(ReadImage), values)
+    held = source_file.HeldSamples.of(array, "the array", centres, _numbers("widths_um", widths_um))
+    params = file_values(declaration(read_image.ReadImage), values)
     plain = {name: value for name, value in params.items() if not isinstance(value, dict)}
-    module = ReadImage.build(plain)
-    assert isinstance(module, ReadImage)
+    module = read_image.ReadImage.build(plain)
+    assert isinstance(module, read_image.ReadImage)
     module.check()
     if len(plain) == len(params):
         module.of_samples(held, "scene")  # what it cannot be is refused here already

@@ -18,8 +18,7 @@ from app.run.terminal import columns, jsonable, number_text, warned_points, with
 from app.run.transfer_chain import Response, responses_along
 from core.chain.wires import Image
 from core.errors import ParameterError, close, several, shown
-from core.evaluation.recipes import Region
-from core.evaluation.work import Work
+from core.evaluation import recipes, work
 from core.records import dataclass, field
 from imagechain.parts.plain_errors import block, needed, plain_errors, png, stays_here, table, text
 
@@ -313,8 +312,8 @@ class Picture:
     band_um: tuple[float, float] | None
     wavelengths_um: tuple[float, ...]
     _image: Image
-    _work: Work
-    _region: Region | None
+    _work: work.Work
+    _region: recipes.Region | None
 
     __reduce__ = stays_here
 

@@ -14,9 +14,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from app.run import saving, terminal
 from app.run.evaluation import Evaluation
-from app.run.saving import robust_limits
-from app.run.terminal import number_text, without_rounding
 from core.chain.engine import realize
 from core.chain.wires import Image, Pupil, SampledTransfer, Transfer
 from core.errors import ImagechainError, NetworkError, close, printable
@@ -138,7 +137,7 @@ def noise_png(pictures: list[tuple[str, Image, Array]]) -> bytes:
 def _show(drawn: Any, axis: Any, image: Image, samples: Array, *, along: str, ticks: int) -> Any:
     from matplotlib.ticker import MaxNLocator
 
-    low, high = robust_limits(samples)
+    low, high = saving.robust_limits(samples)
     if not high > low:
         reach = abs(low) * 1e-3 or 1.0
         low, high = low - reach, high + reach
@@ -367,8 +366,8 @@ def number(value: Any, unit: str | None = None) -> str:
     if value is None:
         return "–"
     if unit is not None:
-        value = without_rounding(value, unit)
-    text = number_text(value)
+        value = terminal.without_rounding(value, unit)
+    text = terminal.number_text(value)
     if isinstance(value, bool) or not isinstance(value, int | float | np.number):
         return text
     mantissa, exponent, power = text.replace("-", "−").partition("e")
