@@ -147,7 +147,7 @@ def metadata_of(image: Image, shape: tuple[int, ...]) -> dict[str, Any]:
 def _save_curve(path: Path, curve: CurveData, work: Work) -> None:
     shared = all(np.array_equal(series.x, curve.series[0].x) for series in curve.series[1:])
     if CSV.matches(path) and shared and curve.series:
-        arrays.write_curves(path, curve, write_matrix.curve_columns(curve))
+        arrays.write_curves(path, curve, write_image.curve_columns(curve))
     elif CSV.matches(path):
         points = [
             (series.label, repr(float(x)), repr(float(y)))
@@ -158,7 +158,7 @@ def _save_curve(path: Path, curve: CurveData, work: Work) -> None:
             path, table_cells.csv_lines([("series", curve.x_label, curve.y_label), *points])
         )
     elif shared and curve.series:
-        columns = np.stack(list(write_matrix.curve_columns(curve).values()), axis=1)
+        columns = np.stack(list(write_image.curve_columns(curve).values()), axis=1)
         save_array(path, real_array(columns, work), {})
     else:
         raise errors.UsageError(f"{path}: curves with different axes must be written as .csv")

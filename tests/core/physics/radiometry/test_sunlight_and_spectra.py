@@ -28,12 +28,6 @@ def test_all_sunlight_together_is_the_suns_part_of_sigma_t4():
     assert low == pytest.approx(whole / 2, rel=1e-14)
 
 
-@pytest.mark.parametrize("wavelengths", [[], [2.0, 1.0], [1.0, 2.0, 2.0, 3.0], [1.0, math.nan]])
-def test_a_spectrum_has_wavelengths_that_ascend(wavelengths):
-    with pytest.raises(ParameterError, match="one or more wavelengths, in ascending order"):
-        CoarseSpectrum(tuple((um, 0.5) for um in wavelengths))
-
-
 def test_no_sun_on_the_horizon_and_none_below():
     ends = {"cut_on_um": 0.4, "cut_off_um": 0.7}
     assert white_surface_radiance(**ends, sun_elevation_deg=0.0) == 0.0
