@@ -19,7 +19,7 @@ from core.evaluation.work import Policy
 from nodes.library import standard_library
 
 Array = NDArray[np.float64]
-TIMES = {"seconds": "s", "low": "least", "high": "most", "reach": "limit, s", "verdict": ""}
+TIMES = {"seconds": "s", "low": "minimum", "high": "maximum", "reach": "limit, s", "verdict": ""}
 SMALL, LARGE, SMALLEST = (480, 640), (4096, 4096), (128, 128)
 REACH_S = {SMALL: 1.0, LARGE: 15.0}
 BLUR, NOISE, TURN = 0.8, 0.5, 0.12

@@ -75,8 +75,8 @@ def peers(settings: Settings) -> list[Table]:
     text = (
         "In every row, T0 is measured on the frame in single precision. `known`: the transfer "
         "function or PSF has been computed already, and only the frame is new. `mirrored`: the "
-        "frame is mirrored at its edges. The tails of the point spread function fold back into "
-        "the frame, and the FFT that measures the MTF counts them as error. Install the other "
+        "frame is mirrored at its edges. The tails of the point spread function wrap around "
+        "into the frame and add to the MTF error. Install the other "
         "programs with the extra `peers`."
     )
     last = ("size", sizes[-1])

@@ -123,7 +123,7 @@ def fresh_process(settings: timing.Settings) -> list[Table]:
     row = {"subject": f"imagechain run {timing.KODAK}", "value": took["seconds"], "unit": "s"}
     row |= {"low": took["low"], "high": took["high"], **judged(took["seconds"], 1.2, 0.6)}
     heads = {n: h for n, h in HEADS.items() if not n.endswith("ms")}
-    heads |= {"low": "least", "high": "most"}
+    heads |= {"low": "minimum", "high": "maximum"}
     title = f"Fresh process, {settings.size}², median of {several(starts, 'start')}"
     text = "Starting Python, drawing the scene and writing the files are included."
     return [Table("fresh_process", title, heads, [row], text)]

@@ -343,8 +343,8 @@ def _netd_remarks(
     departure = response.departure_percent
     if departure is not None and departure > _DEPARTS:
         lines.append(
-            "warning: a mean deviates from Planck's law (for any effective wavelength) by "
-            f"{departure:.2g} % of the range of all means. The temperatures are wrong, the "
+            "warning: the largest residual of the Planck fit is "
+            f"{departure:.2g} % of the range of the mean signals. The temperatures are wrong, the "
             "camera drifted, or its response is nonlinear. Check the temperatures, let the camera "
             "settle, or use a smaller range of temperatures"
         )

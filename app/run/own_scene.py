@@ -66,7 +66,7 @@ class OwnScene:
                 )
         if self.band_um is not None and not 0.0 < self.band_um[0] < self.band_um[1] < 1e6:
             low, high = self.band_um
-            what = "must be the shortest and the longest wavelength in µm"
+            what = "must be two wavelengths above 0 µm, the shorter first"
             raise UsageError(f"{self.named('band_um')} {low:g} {high:g} is not allowed: {what}")
         if self.fov_deg is not None and self.sample_m is not None:
             names = f"{self.named('fov_deg')} and {self.named('sample_m')}"

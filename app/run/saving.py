@@ -20,7 +20,6 @@ from core.evaluation.recipes import Region, number_bits
 from core.evaluation.work import Policy, Work
 from nodes.files import arrays, formats, table_cells, zarr_array
 from nodes.files import frames as frame_files
-from nodes.files.arrays import write_matrix
 from nodes.files.file_format import CSV, ENVI_FRAMES, ZARR, Format, suffixes
 from nodes.input_output import write_image
 

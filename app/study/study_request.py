@@ -349,7 +349,9 @@ def _filled(pattern: str, values: Mapping[str, Any], points: int) -> str:
         if conversion:
             raise ValueError("only a number format may follow a field's name")
         if re.search("[0-9]{4}", spec or ""):
-            raise ValueError(f"{{{name}:{spec:.20}}}: at most 999 characters or digits are allowed")
+            raise ValueError(
+                f"{{{name}:{spec:.20}}}: width and digits of a number format must be at most 999"
+            )
         # Zeros lead a point's number where it has no format.
         form = spec or (f"0{len(str(points))}d" if name == POINT else "")
         value = values[name]

@@ -371,7 +371,7 @@ class Chain:
         chain = self
 
         def smaller(error: ImagechainError) -> Plan:
-            """Plan without the analyses that cannot use your scene; raises any other error."""
+            """Plan without the analyses that cannot use your scene, if they are the cause."""
             nonlocal chain
             library = self._engine.library
             while True:

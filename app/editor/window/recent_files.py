@@ -52,7 +52,7 @@ class RecentMenu(Menu):
             item.setToolTip(str(path))
             item.triggered.connect(partial(without_argument, partial(self._choose, str(path))))
         if not recent:
-            self.addAction("No network has been opened yet").setEnabled(False)
+            self.addAction("No recent networks").setEnabled(False)
         self.addSeparator()
         clear = self.addAction("&Clear List")
         clear.setToolTip("Clear this list without deleting the files")

@@ -129,7 +129,7 @@ def test_files_are_named_by_fields(network, tmp_path, monkeypatch):
     assert names("{blur.sigma_x_mrad:.2f}.tif") == ["0.50.tif", "1.00.tif"]
     for pattern, why in (
         ("all.tif", "two files of points 1 and 2 would both be named"),
-        ("{point:0999999999}.tif", "at most 999 characters or digits"),
+        ("{point:0999999999}.tif", "width and digits of a number format must be at most 999"),
         ("{blur.sigma_x_mrad:.0e}{poin}.tif", "no field poin; did you mean point"),
         ("{point.tif", "back.image="),
         ("{point!r}.tif", "only a number format"),

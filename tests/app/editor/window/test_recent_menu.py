@@ -69,7 +69,7 @@ def test_files_are_listed_opened_by_keys_missed_and_cleared(window, settings, sa
     window.recent_menu.actions()[-1].trigger()
     QTest.qWait(20)
     assert window.findChild(QWidget, recent) is None
-    assert entries(window) == ["No network has been opened yet", "", "Clear List"]
+    assert entries(window) == ["No recent networks", "", "Clear List"]
     assert not any(action.isEnabled() for action in window.recent_menu.actions() if action.text())
     assert Settings(settings.path).recent == ()
 
