@@ -27,7 +27,7 @@ from core.physics.detector.photon_conversion import SHORTEST_THERMAL_UM
 from core.physics.radiometry.planck import brightness_temperature
 from core.physics.radiometry.spectra import SUNLIGHT_K
 from core.physics.sampling.ground_geometry import EARTH_RADIUS_KM as R
-from core.records import dataclass, replace
+from core.records import replace
 from nodes.files.curve_tables import Points, read_path_table, read_wavelengths
 from nodes.shared.context_defaults import apart_caution, first, watts_factor
 from nodes.shared.module_ports import PictureTable, TableFigures, WeightingSource
@@ -386,21 +386,14 @@ def path_over_bands(work: Work, means: Array, *, weights: Row, gain: Row, offset
     return PathBand(min(float(light @ np.array(gain)) / total, 1.0), added)
 
 
-@dataclass(frozen=True)
-class ThroughAir(AboutMean):
-    """Dimmed alike at all frequencies; what the air adds is the same all over."""
-
-    @property
-    def before_camera(self) -> bool:
-        return True
-
-
 def dimming(work: Work, mean: float, over: PathBand) -> LevelChange:
     return LevelChange(over.transmission, mean, over.transmission * mean)
 
 
 @picture_step(
-    linear=lambda image, over, **_: ThroughAir(Step.of(dimming, Step.of(mean_of, image), over))
+    linear=lambda image, over, **_: AboutMean(
+        Step.of(dimming, Step.of(mean_of, image), over), of_air=True
+    )
 )
 @pointwise
 def through_air(work: Work, image: Array, over: PathBand, *, factor: float) -> Array:

@@ -6,7 +6,6 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from core.chain.noise_power import NoisePower
 from core.chain.random_fields import Stream
 from core.chain.step_lineage import Array, AtStep, LevelChange, Noise, picture_step
 from core.chain.wires import TableData, TableRow
@@ -24,7 +23,6 @@ from core.evaluation.recipes import (
 from core.evaluation.work import Work
 from core.physics.detector import focal_plane_array
 from core.physics.noise.flicker_noise import poisson_of_normal
-from core.records import dataclass
 from nodes.detector.focal_plane_figures import (
     ElectronLevels,
     bent_level,
@@ -41,15 +39,6 @@ _EXACT_BITS = 14  # numbers beyond are made in double, whose rounding is far bel
 
 Well = float | None
 Function = TypeVar("Function", bound=Callable[..., Any])
-
-
-@dataclass(frozen=True)
-class Ended(AboutMean):
-    """No change, unless the read-out ends before the level, and nothing follows the scene."""
-
-    def noise(self, work: Work, power: NoisePower) -> NoisePower:
-        """As it is: beside a mean that is clipped there are samples that are not."""
-        return power
 
 
 def _by_rows(fill: Callable[..., None]) -> Callable[..., Array]:
@@ -163,7 +152,7 @@ def _read_noise(at: AtStep, *_: Recipe, sigma_e: float, **__: Well) -> list[Nois
 
 
 @picture_step(
-    linear=lambda _, clipping, *__, **___: Ended(clipping),
+    linear=lambda _, clipping, *__, **___: AboutMean(clipping, scales_noise=False),
     noise=_read_noise,
     noise_free=lambda picture, *_, **__: picture,
     looks_at=("clipping",),

@@ -90,9 +90,19 @@ class Scaled(Linear):
 
 @dataclass(frozen=True)
 class AboutMean(Linear):
-    """A change that is linear in small differences, with a gain that depends on the picture."""
+    """A change that is linear in small differences, with a gain that depends on the picture.
+
+    That `of_air` is before the camera. Noise may be left as it is: beside a mean that is clipped
+    there are samples that are not.
+    """
 
     change: recipes.Recipe
+    of_air: bool = False
+    scales_noise: bool = True
+
+    @property
+    def before_camera(self) -> bool:
+        return self.of_air
 
     @property
     def level(self) -> recipes.Recipe:
@@ -103,7 +113,7 @@ class AboutMean(Linear):
         return True
 
     def noise(self, work: Work, power: NoisePower) -> NoisePower:
-        return power.scaled(work.value(self.change).gain)
+        return power.scaled(work.value(self.change).gain) if self.scales_noise else power
 
 
 @dataclass(frozen=True)
