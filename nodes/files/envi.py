@@ -20,6 +20,7 @@ from core.records import replace
 from nodes.files import picture_info
 from nodes.files.envi_header import EnviLayout, number_list, read_layout
 from nodes.files.stored_bytes import checked_band, stored_bytes
+from nodes.files.table_cells import numbers_of
 
 _TO_UM = {
     name: factor
@@ -91,15 +92,9 @@ def band_of(layout: EnviLayout, band: int, *, empty: Empty = np.empty) -> pictur
 def _not_applied(layout: EnviLayout) -> tuple[str, ...]:
     texts = layout.fields.get(_NOT_APPLIED, ())
     texts = [texts] if isinstance(texts, str) else texts
-    scales = any(text and not _is_number(text, 1.0) for text in texts)
+    numbers = numbers_of(filter(None, texts))
+    scales = numbers is None or any(number != 1.0 for number in numbers)
     return (_NOT_APPLIED,) if scales else ()
-
-
-def _is_number(text: str, number: float) -> bool:
-    try:
-        return float(text) == number
-    except ValueError:
-        return False
 
 
 def _wavelengths(layout: EnviLayout) -> tuple[tuple[float, ...] | None, tuple[float, ...] | None]:
