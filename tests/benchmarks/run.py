@@ -28,6 +28,8 @@ PARTS = {
     "blocks": "Frames beyond memory",
     "scanning": "Line by line, or the whole image at once",
     "cameras": "A camera and its frames",
+    "studying": "Studies",
+    "measuring": "Measuring and fitting pictures",
 }
 
 
