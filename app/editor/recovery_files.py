@@ -17,14 +17,12 @@ from typing import Any
 from PySide6.QtCore import QFileSystemWatcher, QObject, QTimer, Signal
 
 from app.editor.session import Session
-from core.atomic import is_held, take, write_text
+from core import atomic, errors, records
 from core.editing.document import Document, mark, mark_of, rebased
 from core.editing.wiring import check_new_wires
-from core.errors import FileError, ImagechainError, NetworkError
 from core.modules.declaration import Library
 from core.network.file import format_network, parse_network
 from core.network.network import Network
-from core.records import dataclass, field, replace
 
 FORMAT = "imagechain-recovery"
 VERSION = 1
@@ -68,12 +66,12 @@ class Autosave:
         try:
             self.path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
             if self._let_go is None:  # before the file: without a lock it counts as left behind
-                self._let_go = take(self.path.with_suffix(LOCK_SUFFIX))
+                self._let_go = atomic.take(self.path.with_suffix(LOCK_SUFFIX))
         except OSError as error:
             reason = error.strerror or type(error).__name__
-            raise FileError(f"cannot write to {self.path.parent}: {reason}") from error
+            raise errors.FileError(f"cannot write to {self.path.parent}: {reason}") from error
         # As ASCII: a path that is no valid Unicode can be written and comes back as it was.
-        write_text(self.path, json.dumps(content, indent=1) + "\n")
+        atomic.write_text(self.path, json.dumps(content, indent=1) + "\n")
         self._written = network, path
         return True
 
@@ -87,7 +85,7 @@ class Autosave:
         self._let_go = self._written = None
 
 
-@dataclass(frozen=True)
+@records.dataclass(frozen=True)
 class Recovered:
     """Work that a process has left behind; `problem` says why it cannot be used.
 
@@ -100,16 +98,16 @@ class Recovered:
     original: Path | None
     time: float
     problem: str = ""
-    text: str = field(default="", repr=False)
+    text: str = records.field(default="", repr=False)
     folder: Path | None = None
     stored: str | None = None
 
     def document(self, library: Library) -> Document:
         """The work as an unsaved document of its original file; a `NetworkError` if damaged."""
         if self.problem:
-            raise NetworkError(f"{self.file}: {self.problem}")
+            raise errors.NetworkError(f"{self.file}: {self.problem}")
         network = parse_network(self.text, library=library, name_of_source=str(self.file))
-        check_new_wires(replace(network, links=()), network, library)
+        check_new_wires(records.replace(network, links=()), network, library)
         here = _here()
         if self.folder is not None and here is not None:
             moved = rebased(network, library, self.folder, Path(here))
@@ -137,7 +135,7 @@ def recoverable(folder: Path) -> tuple[Recovered, ...]:
 
 def _read(path: Path) -> Recovered | None:
     """What a recovery file holds; None where its process is alive, or the file is gone."""
-    if is_held(path.with_suffix(LOCK_SUFFIX)):
+    if atomic.is_held(path.with_suffix(LOCK_SUFFIX)):
         return None
     try:
         return _recovered(path, json.loads(path.read_bytes()))
@@ -186,7 +184,7 @@ def _get(content: Any, name: str, kind: type) -> Any:
 
 def _sweep(folder: Path) -> None:
     for lock in folder.glob(f"*{LOCK_SUFFIX}"):
-        if lock.stem.isalnum() and is_held(lock) is False:
+        if lock.stem.isalnum() and atomic.is_held(lock) is False:
             # Named by core.atomic: the file's name between a dot and what makes it new.
             for half in folder.glob(f".{lock.stem}.*{SUFFIX}"):
                 with suppress(OSError):
@@ -222,14 +220,14 @@ class Autosaver(QObject):
         session.state_changed.connect(self._follow)
         self._follow()
 
-    def keep(self) -> ImagechainError | None:
+    def keep(self) -> errors.ImagechainError | None:
         """Write now, and leave the file: the process has to end. Returns what went wrong."""
         self._leave_file = self._session.document.modified
         return self.write()
 
-    def write(self) -> ImagechainError | None:
+    def write(self) -> errors.ImagechainError | None:
         error = self._thread.submit(self._autosave.write_if_changed).exception()
-        if error is not None and not isinstance(error, ImagechainError):
+        if error is not None and not isinstance(error, errors.ImagechainError):
             raise error
         return error
 
@@ -269,7 +267,7 @@ class Autosaver(QObject):
         writing.add_done_callback(lambda done: self._written.emit(done.exception()))
 
     def _after(self, error: object) -> None:
-        if isinstance(error, ImagechainError) and not self._warned:
+        if isinstance(error, errors.ImagechainError) and not self._warned:
             self.failed.emit(f"unsaved work will be lost if the editor crashes: {error}")
         self._warned = error is not None
 
@@ -324,7 +322,7 @@ class FileWatch(QObject):
             self._own = f"{name}{token_hex(8)}{LOCK_SUFFIX}"
             with suppress(OSError):
                 self._folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-                self._let_go = take(self._folder / self._own)
+                self._let_go = atomic.take(self._folder / self._own)
             self._watcher.addPaths([str(self._folder), str(self._path.parent)])
             self._soon.start()
 
@@ -334,7 +332,7 @@ class FileWatch(QObject):
             return
         self._watcher.addPath(str(path))  # one that was written anew is another file
         locks = self._folder.glob(f"{self._own[:_OF_NAME]}*{LOCK_SUFFIX}")
-        shared = any(is_held(lock) for lock in locks if lock.name != self._own)
+        shared = any(atomic.is_held(lock) for lock in locks if lock.name != self._own)
         if shared and not self._shared:
             say("warning", f"{path.name} is also open in another window")
         self._shared = shared

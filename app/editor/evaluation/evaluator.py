@@ -12,9 +12,7 @@ from typing import Any
 from PySide6.QtCore import QObject, Qt, QTimer, Signal
 from PySide6.QtGui import QGuiApplication
 
-from app.editor.evaluation import queries
-from app.editor.evaluation.changes import computes_alike
-from app.editor.evaluation.runner import PAUSE_S, Runner
+from app.editor.evaluation import changes, queries, runner
 from app.editor.session import Session
 from core.chain.engine import Plan
 from core.evaluation.recipes import Store
@@ -77,7 +75,7 @@ class Evaluator(QObject):
         self._outbox = queries.Outbox(bell.ring)
         store = Store() if store is None else store
         boxes = (self._inbox, self._outbox)
-        self._runner = Runner(session.library, policy or Policy(), store, *boxes)
+        self._runner = runner.Runner(session.library, policy or Policy(), store, *boxes)
         self._thread: threading.Thread | None = None
         self._requests: dict[str, tuple[queries.Request, ...]] = {}
         self._least: dict[str, int] = {}  # generation of an answer that is still of use
@@ -159,9 +157,9 @@ class Evaluator(QObject):
         self._rest()
 
     def _follow_change(self, before: Any, after: Any) -> None:
-        if not computes_alike(before, after):
+        if not changes.computes_alike(before, after):
             now = time.perf_counter()
-            self._gestures += now - self._edited_at > PAUSE_S
+            self._gestures += now - self._edited_at > runner.PAUSE_S
             self._edits += 1
             self._edited_at = now
             self._post()
@@ -346,7 +344,7 @@ class Freshness(QObject):
         self.catch_up(self._edit)
 
     def _edited(self, before: Any, after: Any) -> None:
-        if computes_alike(before, after):
+        if changes.computes_alike(before, after):
             return
         self._edit = self._evaluator.generation
         if not self._late.isActive() and not self.is_old:

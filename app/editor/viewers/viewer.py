@@ -7,13 +7,11 @@ from PySide6.QtCore import QSize, Qt, Signal
 from PySide6.QtGui import QHideEvent, QShowEvent, QStandardItem, QStandardItemModel
 from PySide6.QtWidgets import QComboBox, QHBoxLayout, QSizePolicy, QWidget
 
-from app.editor.declared_text import titled
+from app.editor import declared_text, messages, widgets
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.queries import Answer, Query
-from app.editor.messages import Mark, close_button
 from app.editor.session import Session
 from app.editor.theme import ERROR, TEXT, Theme, theme_of
-from app.editor.widgets import ElidedLabel, filled, set_role
 from core.modules.declaration import Library
 from core.network.macro import declared_node
 from core.network.network import Network, passed_through
@@ -100,19 +98,19 @@ class StatusLine(QWidget):
 
     def __init__(self, owner: str, description: str, more: str, parent: QWidget) -> None:
         super().__init__(parent)
-        self.mark = Mark(self)
+        self.mark = messages.Mark(self)
         self.mark.show_severity("error")
-        self.title = ElidedLabel(f"{owner}.title", description, self)
-        self.more = ElidedLabel(f"{owner}.read", more, self)
-        self.away = close_button(f"{owner}.close", self)
+        self.title = widgets.ElidedLabel(f"{owner}.title", description, self)
+        self.more = widgets.ElidedLabel(f"{owner}.read", more, self)
+        self.away = messages.close_button(f"{owner}.close", self)
         self.away.clicked.connect(lambda: self.show_text(""))
         parts = (self.mark, (self.title, 1), self.away, self.more)
-        filled(QHBoxLayout(self), *parts, margins=(6, 0, 6, 2))
+        widgets.filled(QHBoxLayout(self), *parts, margins=(6, 0, 6, 2))
         self.show_text("")
 
     def show_text(self, text: str, *, failed: bool = False) -> None:
         self.title.show_text(text)
-        set_role(self.title, ERROR if failed else TEXT)
+        widgets.set_role(self.title, ERROR if failed else TEXT)
         self.mark.setVisible(failed)
         self.away.setVisible(failed)
 
@@ -264,7 +262,7 @@ class PortChoice(NodeChoice):
         by_node = ports_by_node(self.session.network, self.session.library, self._types)
         for node, ports in by_node.items():
             declared = self.session.declared(node)
-            title = titled(node, declared.title) if declared is not None else node
+            title = declared_text.titled(node, declared.title) if declared is not None else node
             yield title, [entry(port, port) for port in ports]
 
     def take(self, value: str | None) -> None:

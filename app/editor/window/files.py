@@ -16,15 +16,7 @@ from app.editor.evaluation.evaluator import Evaluator
 from app.editor.library_view import LibraryView
 from app.editor.session import Level, Session
 from app.editor.window.recent_files import Settings
-from app.run.own_scene import OwnScene, scene_nodes, with_own_scene
-from app.run.preset_files import (
-    Preset,
-    own_presets,
-    placed,
-    preset_of,
-    save_preset,
-    shipped_presets,
-)
+from app.run import own_scene, preset_files
 from app.run.shipped import every_network, find_network
 from core.chain.engine import Engine
 from core.editing.document import Document, mark, rebased
@@ -323,12 +315,12 @@ class Drops(QObject):
     def _replaced(self, name: str, path: Path) -> bool:
         level = self._session
         network, library = level.network, level.library
-        if name not in scene_nodes(network, library):
+        if name not in own_scene.scene_nodes(network, library):
             return False
         plan = Engine(library).plan(expanded(network, library), folder=level.folder)
-        scene, stored = OwnScene(path, hints=False), self._stored(path)
+        scene, stored = own_scene.OwnScene(path, hints=False), self._stored(path)
         with messages.told(level.message.emit):
-            new = with_own_scene(
+            new = own_scene.with_own_scene(
                 network, scene, library=library, plan=plan, node=name, stored=stored
             )
             if level.do(restored(new.network, f"Replace {name} with {path.name}")):
@@ -367,7 +359,7 @@ class PresetShelf(QObject):
         self._canvas = canvas
         self._view = library_view
         self.folder = folder
-        self._listed: tuple[Preset, ...] | None = None
+        self._listed: tuple[preset_files.Preset, ...] | None = None
         self._rest = QTimer(self, interval=_REST_MS)
         self._rest.timeout.connect(self._at_rest)
         self._rest.start()
@@ -379,13 +371,16 @@ class PresetShelf(QObject):
             self.refresh()
 
     @property
-    def presets(self) -> tuple[Preset, ...]:
+    def presets(self) -> tuple[preset_files.Preset, ...]:
         return self.refresh() if self._listed is None else self._listed
 
-    def refresh(self) -> tuple[Preset, ...]:
+    def refresh(self) -> tuple[preset_files.Preset, ...]:
         library = self._level.library
         self._rest.stop()
-        self._listed = (*shipped_presets(library), *own_presets(self.folder, library))
+        self._listed = (
+            *preset_files.shipped_presets(library),
+            *preset_files.own_presets(self.folder, library),
+        )
         self._view.show_presets(self._listed)
         return self._listed
 
@@ -400,17 +395,19 @@ class PresetShelf(QObject):
                 node = level.network.nodes[name]
                 values = {one: level.value(name, one) for one in node.linked}
                 alone = Network(nodes={name: replace(node, params={**node.params, **values})})
-                path = save_preset(alone, name, self.folder, level.library)
+                path = preset_files.save_preset(alone, name, self.folder, level.library)
                 self.refresh()
                 level.message.emit("note", f"saved as a preset: {path}")
 
     def add(self, key: str, at: tuple[float, float]) -> bool:
         """Put a preset at a place; False for the key of a module."""
-        level, preset = self._level, preset_of(key, self.presets)
+        level, preset = self._level, preset_files.preset_of(key, self.presets)
         if preset is None:
             return False
         with messages.told(level.message.emit):
-            name, operation = placed(preset, level.network, level.library, at, level.folder)
+            name, operation = preset_files.placed(
+                preset, level.network, level.library, at, level.folder
+            )
             if level.do(operation):
                 level.select([name])
         return True

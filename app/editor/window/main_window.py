@@ -9,34 +9,22 @@ from PySide6.QtCore import Qt, QTimer
 from PySide6.QtGui import QCloseEvent
 from PySide6.QtWidgets import QApplication, QDockWidget, QMainWindow, QMenu, QVBoxLayout, QWidget
 
+from app.editor import library_view, messages, recovery_files, widgets
 from app.editor.canvas.canvas import Canvas, Crumbs
 from app.editor.docks.fit_view import FitView
 from app.editor.docks.measure_view import MeasureView
 from app.editor.docks.snapshots import HistoryList, Snapshots, SnapshotsView
 from app.editor.evaluation.evaluator import Evaluator
-from app.editor.library_view import LibraryView
-from app.editor.messages import StatusBar, told
 from app.editor.panels.panel_area import PanelArea
-from app.editor.recovery_files import Autosaver, FileWatch, Recovered, recoverable
 from app.editor.session import Level, Session
 from app.editor.theme import THEMES, Look, Theme
 from app.editor.viewers.plot.figures_strip import FiguresStrip
 from app.editor.viewers.viewer import PLOT_TYPES, VIEWER_NUMBERS
-from app.editor.widgets import filled
+from app.editor.window import background_runs, viewer_docks
 from app.editor.window.actions import CANVAS_MENU, EDITS, NODE_MENU, Actions, EditCommands
-from app.editor.window.background_runs import BackgroundRuns
 from app.editor.window.files import Drops, Files, PresetShelf
 from app.editor.window.help import Help
 from app.editor.window.recent_files import DOCKS_VERSION, RecentMenu, Settings
-from app.editor.window.viewer_docks import (
-    FirstViews,
-    FocusRing,
-    FullScreen,
-    ViewerDocks,
-    add_dock,
-    bring_forward,
-    in_front,
-)
 from app.editor.window.welcome import WelcomePage
 from app.editor.window.window_layout import DEFAULT, LayoutMenu, LayoutName, Pages, WindowLayout
 from core.editing.layout import EDGES, WAYS
@@ -85,8 +73,8 @@ class MainWindow(QMainWindow):
         self.panels.illustrations = settings.illustrations
         self.panels.illustrations_changed.connect(partial(setattr, settings, "illustrations"))
         self.drops = Drops(self.level, self.files, self.canvas, self)
-        self.full_screen = FullScreen(self.viewers, self.session, self)
-        self.focus_ring = FocusRing(self.parts, self)
+        self.full_screen = viewer_docks.FullScreen(self.viewers, self.session, self)
+        self.focus_ring = viewer_docks.FocusRing(self.parts, self)
         self.actions_by_name = Actions(self._targets(), window=self, canvas=self.canvas)
         self._spread_actions()
         self.layout_in_use.choose(DEFAULT)
@@ -98,8 +86,8 @@ class MainWindow(QMainWindow):
         file_actions = self.menus["&File"].actions()
         after_open = file_actions[file_actions.index(self.actions_by_name["open"]) + 1]
         self.menus["&File"].insertMenu(after_open, self.recent_menu)
-        self.autosaver = Autosaver(self.session, recovery, self)
-        self.file_watch = FileWatch(self.session, recovery, self)
+        self.autosaver = recovery_files.Autosaver(self.session, recovery, self)
+        self.file_watch = recovery_files.FileWatch(self.session, recovery, self)
         self._connect()
         self.set_theme(self.theme)
         self.resize(self.screen().availableSize() * 0.92)  # once it is not maximised
@@ -125,7 +113,7 @@ class MainWindow(QMainWindow):
 
     def open_first(self, text: str) -> None:
         """Open a network in place of the first page, and say what is offered there."""
-        if self.files.open_now(text) and (left := recoverable(self._recovery)):
+        if self.files.open_now(text) and (left := recovery_files.recoverable(self._recovery)):
             names = dict.fromkeys(each.original.name if each.original else "" for each in left)
             of = ", ".join(name or "an unsaved network" for name in names)
             self.status.report(
@@ -146,7 +134,7 @@ class MainWindow(QMainWindow):
         self.pages.setCurrentWidget(self.welcome)
 
     def _show_lists(self) -> None:
-        self.welcome.show_lists(self.settings.recent, recoverable(self._recovery))
+        self.welcome.show_lists(self.settings.recent, recovery_files.recoverable(self._recovery))
 
     def show_canvas(self) -> None:
         self.pages.show_work()
@@ -221,17 +209,17 @@ class MainWindow(QMainWindow):
     def _build(self, library: Library) -> None:
         self.canvas = Canvas(self.level)
         self.crumbs = Crumbs(self.level, self.canvas)
-        self.library_view = LibraryView(library)
+        self.library_view = library_view.LibraryView(library)
         self.panels = PanelArea(self.session, self.evaluator)
         self.figures = FiguresStrip(self.session, self.evaluator)
         self.welcome = WelcomePage()
-        self.status = StatusBar(self.menuBar())
+        self.status = messages.StatusBar(self.menuBar())
         self.canvas.setMinimumHeight(_LEAST_CANVAS * self.fontMetrics().height())
         self.workbench = workbench = QMainWindow(flags=Qt.WindowType.Widget)
         workbench.setObjectName("workbench")
         workbench.setCentralWidget(QWidget())
         middle = QVBoxLayout(workbench.centralWidget())
-        filled(middle, (self.canvas, 1), self.figures, spacing=0)
+        widgets.filled(middle, (self.canvas, 1), self.figures, spacing=0)
         workbench.setDockNestingEnabled(True)
         workbench.setCorner(Qt.Corner.BottomRightCorner, _RIGHT)
         workbench.setCorner(Qt.Corner.TopRightCorner, _RIGHT)
@@ -239,10 +227,14 @@ class MainWindow(QMainWindow):
         self.pages.addWidget(self.welcome)
         self.pages.addWidget(workbench)
         self.setCentralWidget(self.pages)
-        self.library_dock = add_dock(workbench, "Library", "library", self.library_view, _LEFT)
-        self.panel_dock = add_dock(workbench, "Control panels", "panels", self.panels, _RIGHT)
-        self.viewers = ViewerDocks(self.session, self.evaluator, workbench)
-        hidden_dock = partial(add_dock, workbench, hidden=True)
+        self.library_dock = viewer_docks.add_dock(
+            workbench, "Library", "library", self.library_view, _LEFT
+        )
+        self.panel_dock = viewer_docks.add_dock(
+            workbench, "Control panels", "panels", self.panels, _RIGHT
+        )
+        self.viewers = viewer_docks.ViewerDocks(self.session, self.evaluator, workbench)
+        hidden_dock = partial(viewer_docks.add_dock, workbench, hidden=True)
         self.history = HistoryList(self.session)
         self.history_dock = hidden_dock("History", "history", self.history, _RIGHT)
         self.snapshots = Snapshots(
@@ -251,7 +243,7 @@ class MainWindow(QMainWindow):
         self.viewers.made.connect(lambda _: self.snapshots.follow())
         self.snapshots_view = SnapshotsView(self.session, self.evaluator, self.snapshots)
         self.snapshots_dock = hidden_dock("Snapshots", "snapshots", self.snapshots_view)
-        self.runs = BackgroundRuns(self.session, workbench, self.finish_typing)
+        self.runs = background_runs.BackgroundRuns(self.session, workbench, self.finish_typing)
         self.measuring = measuring = MeasureView(self.session, self.viewers.images)
         self.measure_dock = hidden_dock("Measure", "measure", measuring)
         self.fitting = FitView(self.session, lambda: measuring.source, self.finish_typing)
@@ -363,7 +355,7 @@ class MainWindow(QMainWindow):
         evaluator.badges_changed.connect(self._badges_changed)
         evaluator.busy_changed.connect(self.status.show_busy)
         evaluator.behind_changed.connect(self.status.show_behind)
-        FirstViews(session, evaluator, self.viewers)
+        viewer_docks.FirstViews(session, evaluator, self.viewers)
         self.status.cancel_wanted.connect(evaluator.cancel)
         self.library_view.chosen.connect(self._chosen_in_library)
         self.canvas.surface.activated.connect(self._activated)
@@ -483,26 +475,28 @@ class MainWindow(QMainWindow):
             self.viewers.look_at_node(name, number)
 
     def _toggle(self, dock: QDockWidget, focus: QWidget) -> None:
-        if in_front(dock):
+        if viewer_docks.in_front(dock):
             dock.hide()
         else:
             self.pages.show_work()
-            bring_forward(dock, focus)
+            viewer_docks.bring_forward(dock, focus)
 
     def _measure(self) -> None:
         """Measure what a viewer shows, unless files were measured that are out of sight.
 
         Those are brought to the front first: edges may have been chosen in them by hand.
         """
-        before = isinstance(self.measuring.source, tuple) and not in_front(self.measure_dock)
+        before = isinstance(self.measuring.source, tuple) and not viewer_docks.in_front(
+            self.measure_dock
+        )
         self.pages.show_work()
-        bring_forward(self.measure_dock, self.measuring.canvas)
+        viewer_docks.bring_forward(self.measure_dock, self.measuring.canvas)
         if not before:
             self.measuring.measure_shown()
 
-    def _show_recovered(self, work: Recovered) -> None:
+    def _show_recovered(self, work: recovery_files.Recovered) -> None:
         """Open it as unsaved; its file stays until the window has written its own."""
-        with told(self.status.report, "not recovered: "):
+        with messages.told(self.status.report, "not recovered: "):
             document = work.document(self.session.library)
             self.files.show(document, "recovered: save the network if you want to keep it")
             self.autosaver.write_now(work.discard)

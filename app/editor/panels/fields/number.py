@@ -11,20 +11,10 @@ from PySide6.QtCore import QEvent, QSignalBlocker, QStringListModel, Qt, QTimer,
 from PySide6.QtGui import QFocusEvent, QHideEvent, QKeyEvent, QMouseEvent, QWheelEvent
 from PySide6.QtWidgets import QCompleter, QFileDialog, QMenu, QSlider, QWidget
 
+from app.editor import messages, theme, widgets
 from app.editor.declared_text import about, placeholder_of, shown_number, tip, typed_number
-from app.editor.messages import FileDialog
 from app.editor.panels.fields.field import TypedField
 from app.editor.panels.fields.type_in import STEPS, discard_typing, step_factor
-from app.editor.theme import CHANGED
-from app.editor.widgets import (
-    filled,
-    is_escape,
-    labelled,
-    offer,
-    plain_label,
-    takes_wheel,
-    tool_button,
-)
 from core.editing.operations import set_parameter
 from core.errors import ParameterError, thaw
 from core.modules.parameters import Parameter
@@ -65,11 +55,13 @@ class NumberField(TypedField):
         self.slider.finished.connect(self._end)
         self.slider.given_up.connect(self._give_up_drag)
         self.slider.typed.connect(self._begin_typing)
-        self.linked_value = plain_label(f"linked_value.{self.parameter.name}", self, role=CHANGED)
+        self.linked_value = widgets.plain_label(
+            f"linked_value.{self.parameter.name}", self, role=theme.CHANGED
+        )
         self.linked_value.setAccessibleName(f"value of {self.title}")
         self.linked_value.setWordWrap(False)
         beside = (self.unit, self.linked_value)
-        filled(self.row, self.label, (self.slider, 1), (edit, 1), *beside)
+        widgets.filled(self.row, self.label, (self.slider, 1), (edit, 1), *beside)
         self.label.setToolTip(tip(f"{self.title}: {about(self.parameter)}\n{_HOW_TO_DRAG}"))
         self.label.dragged.connect(self._drag)
         self.label.finished.connect(self._end)
@@ -111,7 +103,7 @@ class NumberField(TypedField):
     def add_link_actions(self, menu: QMenu) -> None:
         if self.link is None:
             about = "Type an expression after ="
-            offer(
+            widgets.offer(
                 menu,
                 "link",
                 "Link to other parameters…",
@@ -120,7 +112,7 @@ class NumberField(TypedField):
             )
             return
         value = "" if self.link.problem else f", keep {self.shown_value}"
-        unlinking = offer(menu, "unlink", f"Unlink{value}", self._unlink)
+        unlinking = widgets.offer(menu, "unlink", f"Unlink{value}", self._unlink)
         unlinking.setEnabled(not self.link.problem)
 
     def _show_link(self) -> None:
@@ -281,7 +273,7 @@ class Slider(QSlider):
 
     def event(self, event: QEvent) -> bool:
         """End a press by Esc, and by a dialog: the release behind that never arrives."""
-        given_up = is_escape(event)
+        given_up = widgets.is_escape(event)
         if self._held and (given_up or event.type() == QEvent.Type.WindowBlocked):
             self._held = False
             self.setSliderDown(False)
@@ -315,7 +307,7 @@ class Slider(QSlider):
     def turn(self, event: QWheelEvent, control: QWidget) -> None:
         """Take a turn of the wheel over a control, unless it is to scroll."""
         turned = event.angleDelta().y()
-        if not turned or not takes_wheel(control):
+        if not turned or not widgets.takes_wheel(control):
             event.ignore()
             return
         self.stepped.emit(math.copysign(step_factor(event.modifiers()), turned))
@@ -471,10 +463,10 @@ class PathField(TypedField):
         self._writes = declared is not None and declared.sink
         edit = self.build_edit()
         edit.setPlaceholderText("no file")
-        self.browse = tool_button("", "Browse…", "", self)
+        self.browse = widgets.tool_button("", "Browse…", "", self)
         self.named(self.browse, ": browse", "browse")
         self.browse.clicked.connect(self.open_dialog)
-        filled(self.row, self.label, (edit, 1), self.browse)
+        widgets.filled(self.row, self.label, (edit, 1), self.browse)
         self.unit.hide()
 
     def show_value(self, value: Any) -> None:
@@ -487,7 +479,7 @@ class PathField(TypedField):
         for other in self.findChildren(QFileDialog, "field.dialog"):
             other.reject()
         title = f"{'Write' if self._writes else 'Open'} file: {self.node.name} · {self.title}"
-        dialog = labelled(FileDialog(self, title), "field.dialog")
+        dialog = widgets.labelled(messages.FileDialog(self, title), "field.dialog")
         dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         dialog.setOption(QFileDialog.Option.DontConfirmOverwrite)  # nothing is written by choosing
         if self._writes:

@@ -9,9 +9,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
-from PySide6.QtCore import QPoint, QTimer
-from PySide6.QtGui import QAction
-from PySide6.QtWidgets import QApplication, QStackedWidget, QVBoxLayout, QWidget
+from PySide6 import QtCore, QtGui, QtWidgets
 
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.queries import Answer, Query
@@ -55,7 +53,7 @@ class ImageViewer(Viewer):
     def __init__(self, session: Session, evaluator: Evaluator, number: int) -> None:
         super().__init__(session, evaluator, f"image_viewer.{number}")
         self.number = number
-        self.window_actions: tuple[QAction, ...] = ()
+        self.window_actions: tuple[QtGui.QAction, ...] = ()
         self.by_hand = False
         """Whether a person chose what it shows; else it follows the end of the chain."""
         self.choices = picture_query.PictureQuery(levels=picture_facts.AUTOMATIC_LEVELS)
@@ -68,7 +66,7 @@ class ImageViewer(Viewer):
         self._failed = False
         self._before_drag: picture_facts.Levels | None = None
         self._sample: tuple[int, int] | None = None  # whose spectrum is shown
-        self._pause = QTimer(self, singleShot=True, interval=PAUSE_MS)
+        self._pause = QtCore.QTimer(self, singleShot=True, interval=PAUSE_MS)
         self._pause.timeout.connect(self.ask)
         self._full: tuple[Any, picture_facts.Facts] | None = None
         self.setAccessibleName(f"Image viewer {number}")
@@ -96,7 +94,7 @@ class ImageViewer(Viewer):
         output = declared.output(name) if declared is not None else None
         return output is not None and output.types[0] == "magnitude"
 
-    def add_compare_actions(self, actions: Sequence[QAction]) -> None:
+    def add_compare_actions(self, actions: Sequence[QtGui.QAction]) -> None:
         """Offer these actions of the window under Compare, and let their keys work here."""
         self.canvas.addActions(actions)
         if not actions:  # a viewer made before the window's actions: no heading over nothing
@@ -151,13 +149,13 @@ class ImageViewer(Viewer):
 
     def copy(self) -> None:
         if self.picture is not None:
-            QApplication.clipboard().setImage(self.canvas.image())
+            QtWidgets.QApplication.clipboard().setImage(self.canvas.image())
 
     def copy_histogram(self) -> None:
         if self.picture is not None:
             spread, name = self.picture.spread, self.picture.facts.unit or "value"
             columns = [(name, spread.centres.tolist()), ("samples", spread.counts.tolist())]
-            QApplication.clipboard().setText(columns_text(columns))
+            QtWidgets.QApplication.clipboard().setText(columns_text(columns))
 
     def queries(self) -> tuple[Query, ...]:
         query = self._query
@@ -271,11 +269,11 @@ class ImageViewer(Viewer):
         self.status = StatusLine(self.owner, "What is shown", "Sample under the cursor", self)
         self.region = region.RegionTool(self, self.canvas, self.bar.region)
         self._hint = centred_hint(HINT, self)
-        self._pages = QStackedWidget(self)
+        self._pages = QtWidgets.QStackedWidget(self)
         for page in (self._hint, self.canvas):
             self._pages.addWidget(page)
         parts = (self.bar, self.band_bar, (self._pages, 1), self.status)
-        filled(QVBoxLayout(self), *parts, spacing=1)
+        filled(QtWidgets.QVBoxLayout(self), *parts, spacing=1)
 
     def _connect(self) -> None:
         bar, canvas = self.bar, self.canvas
@@ -425,7 +423,7 @@ class ImageViewer(Viewer):
             return replace(picture, facts=picture_facts.laid_over(picture.facts, self._full[1]))
         return picture
 
-    def _open_menu(self, point: QPoint) -> None:
+    def _open_menu(self, point: QtCore.QPoint) -> None:
         self._fill_menus()
         menu = labelled(Menu(self), "picture_menu")
         menu.aboutToHide.connect(menu.deleteLater)
@@ -453,7 +451,7 @@ class ImageViewer(Viewer):
 
 
 def neighbours(viewer: ImageViewer) -> list[ImageViewer]:
-    top: QWidget = viewer
+    top: QtWidgets.QWidget = viewer
     while (above := top.parentWidget()) is not None:
         top = above
     others = (other for other in top.findChildren(ImageViewer) if other is not viewer)

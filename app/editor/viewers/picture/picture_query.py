@@ -12,9 +12,7 @@ from numpy.typing import NDArray
 from app.editor.evaluation.queries import Passing, Query
 from app.editor.viewers.picture import picture_facts
 from app.editor.viewers.viewer import PICTURE_TYPES, followed
-from core.chain.band_stack import BandStack
-from core.chain.engine import Plan, realize
-from core.chain.wires import Image, Pupil, SpectrumWire, Transfer, spectrum
+from core.chain import band_stack, engine, wires
 from core.errors import DataError, ImagechainError, NetworkError, watched
 from core.evaluation.recipes import Recipe, Step, ends_lineage, number_bits
 from core.evaluation.work import Work
@@ -65,7 +63,7 @@ class Picture:
 
     @property
     def logarithmic(self) -> bool:
-        is_spectrum = isinstance(self.value, Image) and self.mapping == "spectrum"
+        is_spectrum = isinstance(self.value, wires.Image) and self.mapping == "spectrum"
         return self.mapping == "log" or is_spectrum
 
 
@@ -120,7 +118,7 @@ class PictureQuery(Query):
         other = self.other and (followed(self.other, before, after) or self.other)
         return replace(self, port=port, other=other)
 
-    def key(self, plan: Plan) -> Hashable:
+    def key(self, plan: engine.Plan) -> Hashable:
         ports = (self.port, str(self.other)) if self.compares else (self.port,)
         return self, *(picture_facts.identity(self._value(plan, port)) for port in ports)
 
@@ -158,7 +156,7 @@ class PictureQuery(Query):
         source = self._of_image(kept.port, kept.value, 1) if now.facts.wavelengths_um else None
         if source is not None:
             facts = self._drawn_facts(source)
-        elif self.mapping == "spectrum" and isinstance(kept.value, Image):
+        elif self.mapping == "spectrum" and isinstance(kept.value, wires.Image):
             samples, facts = (
                 centred_modulus(work, samples),
                 picture_facts.spectrum_facts(kept.value),
@@ -179,7 +177,7 @@ class PictureQuery(Query):
         other = replace(now, facts=facts, samples=samples, grey=grey, value=kept.value)
         return replace(now, other=other)
 
-    def _value(self, plan: Plan, port: str) -> Any:
+    def _value(self, plan: engine.Plan, port: str) -> Any:
         value = plan.output(port)
         kind = getattr(value, "port_type", None)
         if kind not in PICTURE_TYPES:
@@ -191,18 +189,18 @@ class PictureQuery(Query):
         value = self._value(passing.plan, port)
         node = port.rpartition(".")[0]
         work = passing.work
-        if isinstance(value, Image):
+        if isinstance(value, wires.Image):
             return self._of_image(port, value, passing.reduced)
-        if isinstance(value, Pupil):
+        if isinstance(value, wires.Pupil):
             recipe = Step.of(real, value.samples, node=node)
             return _Source(port, value, (recipe,), picture_facts.pupil_facts(value))
         work.log.looked_at.add(value.key)
         recipe = Step.of(centred_plane, node=node, value=value)
-        own = work.value(value.own) if isinstance(value, Transfer) and value.own else None
+        own = work.value(value.own) if isinstance(value, wires.Transfer) and value.own else None
         rows, columns = value.grid.shape if own is None else own.values.shape
         return _Source(port, value, (recipe,), picture_facts.plane_facts(value, rows, columns, own))
 
-    def _of_image(self, port: str, image: Image, reduced: int) -> _Source:
+    def _of_image(self, port: str, image: wires.Image, reduced: int) -> _Source:
         facts = picture_facts.image_facts(image, reduced)
         places = () if image.bands is None else self.bands.places(image.bands)
         if image.bands is None or not places:
@@ -217,7 +215,7 @@ class PictureQuery(Query):
     def _drawn_facts(self, source: _Source) -> picture_facts.Facts:
         """Of the samples, or of their spectrum where that is shown."""
         facts = source.facts
-        if self.mapping != "spectrum" or not isinstance(source.value, Image):
+        if self.mapping != "spectrum" or not isinstance(source.value, wires.Image):
             return facts
         modulus = picture_facts.spectrum_facts(source.value)
         return replace(modulus, unit=facts.unit, wavelengths_um=facts.wavelengths_um)
@@ -258,7 +256,7 @@ class PictureQuery(Query):
 
     def _layer(self, work: Work, source: _Source, recipe: Recipe) -> Layer:
         plain = recipe
-        if self.mapping == "spectrum" and isinstance(source.value, Image):
+        if self.mapping == "spectrum" and isinstance(source.value, wires.Image):
             recipe = Step.of(centred_modulus, recipe)
         log = self.mapping == "log" or recipe is not plain
         mapped = Step.of(logarithm, recipe) if log else recipe
@@ -290,7 +288,7 @@ class _Source:
     signed: bool = False
 
 
-def _recipes(bands: BandStack, places: tuple[int, ...]) -> tuple[Recipe, ...]:
+def _recipes(bands: band_stack.BandStack, places: tuple[int, ...]) -> tuple[Recipe, ...]:
     """One band alone; of several all in one pass, as a file may have them sample by sample."""
     if len(places) == 1:
         return (bands.band(places[0]),)
@@ -349,16 +347,16 @@ def _wavelengths(wavelengths_um: tuple[float, ...]) -> str:
 
 
 @ends_lineage
-def centred_plane(work: Work, *, value: SpectrumWire | Transfer) -> Array:
+def centred_plane(work: Work, *, value: wires.SpectrumWire | wires.Transfer) -> Array:
     """Samples of a magnitude, phase or transfer function with zero frequency in the middle."""
-    samples: Array = realize(value, work)
+    samples: Array = engine.realize(value, work)
     return np.asarray(np.fft.fftshift(real(work, samples)))
 
 
 @ends_lineage
 def centred_modulus(work: Work, image: Array) -> Array:
     """Modulus of the unnormalised spectrum of an image, zero frequency in the middle."""
-    return np.asarray(np.fft.fftshift(np.abs(spectrum(work, image))))
+    return np.asarray(np.fft.fftshift(np.abs(wires.spectrum(work, image))))
 
 
 @ends_lineage

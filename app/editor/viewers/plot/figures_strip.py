@@ -9,13 +9,11 @@ from typing import Any, ClassVar
 from PySide6.QtCore import QEvent
 from PySide6.QtWidgets import QVBoxLayout, QWidget
 
-from app.editor.declared_text import error_text
+from app.editor import declared_text, theme, widgets
 from app.editor.evaluation.evaluator import Evaluator, Freshness
 from app.editor.evaluation.queries import Answer, PassDone, Passing, Query
 from app.editor.session import Session
-from app.editor.theme import FAINT, TEXT
 from app.editor.viewers.viewer import Viewer
-from app.editor.widgets import ElidedLabel, FlowLayout, filled, labelled
 from app.run.evaluation import ELECTRONICS_FIGURES, SENSOR_FIGURES, sensor_node
 from app.run.transfer_chain import HOW_TO_MARK, find_output, sound_part
 from core.chain.engine import Plan
@@ -32,9 +30,9 @@ class FiguresStrip(Viewer):
     def __init__(self, session: Session, evaluator: Evaluator) -> None:
         super().__init__(session, evaluator, "figures_strip")
         self.setAccessibleName("Sensor figures")
-        self._slots: list[tuple[ElidedLabel, ElidedLabel]] = []
+        self._slots: list[tuple[widgets.ElidedLabel, widgets.ElidedLabel]] = []
         self._names: tuple[str, ...] = ()
-        self._layout = FlowLayout(self, across=10, down=2)  # no figure is ever cut short
+        self._layout = widgets.FlowLayout(self, across=10, down=2)  # no figure is ever cut short
         self._layout.setContentsMargins(8, 2, 8, 3)
         for name, caption in ((OUTPUT, "Output"), *ELECTRONICS_FIGURES, (RUN_TIME, "Run time")):
             self._add(name, caption)
@@ -56,12 +54,12 @@ class FiguresStrip(Viewer):
         """The text shown for a read-out, such as ``snr``, for ``output`` or ``run_time``."""
         return self.label(name).text()
 
-    def label(self, name: str) -> ElidedLabel:
+    def label(self, name: str) -> widgets.ElidedLabel:
         return self._slots[(OUTPUT, *self._names, RUN_TIME).index(name)][1]
 
     def _mark(self, _old: bool = False) -> None:
         # In words the status bar says it: captions that grow would move the figures.
-        role = FAINT if self._freshness.is_old else TEXT
+        role = theme.FAINT if self._freshness.is_old else theme.TEXT
         for name in self._names:
             self.label(name).setForegroundRole(role)
 
@@ -83,12 +81,12 @@ class FiguresStrip(Viewer):
 
     def _add(self, name: str, caption: str) -> None:
         both = QWidget(self)
-        head = ElidedLabel(f"{self.owner}.{name}.caption", f"What {caption} means", both)
+        head = widgets.ElidedLabel(f"{self.owner}.{name}.caption", f"What {caption} means", both)
         head.show_text(caption)
-        value = ElidedLabel(f"{self.owner}.{name}", caption, both)
-        filled(QVBoxLayout(both), head, value, spacing=0)
+        value = widgets.ElidedLabel(f"{self.owner}.{name}", caption, both)
+        widgets.filled(QVBoxLayout(both), head, value, spacing=0)
         self._layout.addWidget(both)
-        head.setForegroundRole(FAINT)
+        head.setForegroundRole(theme.FAINT)
         self._slots.append((head, value))
 
     def _name_slots(self, shown: Sequence[tuple[str, str]]) -> None:
@@ -97,9 +95,9 @@ class FiguresStrip(Viewer):
             return
         self._names = names
         for (head, value), (name, caption) in zip(self._slots[1:-1], shown, strict=True):
-            labelled(head, f"{self.owner}.{name}.caption", f"What {caption} means")
+            widgets.labelled(head, f"{self.owner}.{name}.caption", f"What {caption} means")
             head.show_text(caption)
-            labelled(value, f"{self.owner}.{name}", caption)
+            widgets.labelled(value, f"{self.owner}.{name}", caption)
 
     def _show(self, answer: Figures | None, why: str = "") -> None:
         port, missing, choices = answer.output if answer is not None else (None, why, ())
@@ -179,7 +177,7 @@ def _output_of(plan: Plan) -> _Output:
     try:
         output = find_output(sound_part(plan))
     except ImagechainError as error:
-        return None, error_text(error), ()
+        return None, declared_text.error_text(error), ()
     missing = f"{output.missing}; {HOW_TO_MARK}" if output.choices else output.missing
     return output.port, missing, output.choices
 

@@ -5,10 +5,7 @@ from itertools import zip_longest
 from pathlib import Path
 from typing import Any
 
-from PySide6.QtCore import QBuffer, QIODevice, QPoint, QRect, Qt
-from PySide6.QtGui import QGuiApplication, QImage, QPainter, QPixmap
-from PySide6.QtSvg import QSvgGenerator
-from PySide6.QtWidgets import QWidget
+from PySide6 import QtCore, QtGui, QtSvg, QtWidgets
 
 from app.editor.messages import SaveDialog, show_beside, told
 from app.editor.viewers.plot.plotted_lines import TransferCurves
@@ -30,7 +27,7 @@ Data = TransferCurves | CurveData | TableData
 _SHARPNESS = 2  # dots of a PNG for each of the window
 
 
-def save_plot(widget: QWidget, numbers: str, path: Path) -> None:
+def save_plot(widget: QtWidgets.QWidget, numbers: str, path: Path) -> None:
     if numbers and CSV.matches(path):
         write_text(path, numbers)
     elif PNG.matches(path):
@@ -79,55 +76,55 @@ def _cell(value: Any) -> Any:
     return "" if value is None else value
 
 
-def _png(widget: QWidget) -> bytes:
-    shown = QPixmap(widget.size() * _SHARPNESS)
+def _png(widget: QtWidgets.QWidget) -> bytes:
+    shown = QtGui.QPixmap(widget.size() * _SHARPNESS)
     shown.setDevicePixelRatio(_SHARPNESS)
     widget.render(shown)
     return png_bytes(shown)
 
 
-def png_bytes(picture: QImage | QPixmap) -> bytes:
-    buffer = QBuffer()
-    buffer.open(QIODevice.OpenModeFlag.WriteOnly)
+def png_bytes(picture: QtGui.QImage | QtGui.QPixmap) -> bytes:
+    buffer = QtCore.QBuffer()
+    buffer.open(QtCore.QIODevice.OpenModeFlag.WriteOnly)
     picture.save(buffer, "PNG")  # type: ignore[call-overload]
     return bytes(buffer.data().data())
 
 
-def _svg(widget: QWidget) -> bytes:
-    buffer = QBuffer()
-    buffer.open(QIODevice.OpenModeFlag.WriteOnly)
-    drawing = QSvgGenerator()
+def _svg(widget: QtWidgets.QWidget) -> bytes:
+    buffer = QtCore.QBuffer()
+    buffer.open(QtCore.QIODevice.OpenModeFlag.WriteOnly)
+    drawing = QtSvg.QSvgGenerator()
     drawing.setOutputDevice(buffer)
     drawing.setSize(widget.size())
-    drawing.setViewBox(QRect(0, 0, widget.width(), widget.height()))
-    painter = QPainter(drawing)
-    widget.render(painter, QPoint())
+    drawing.setViewBox(QtCore.QRect(0, 0, widget.width(), widget.height()))
+    painter = QtGui.QPainter(drawing)
+    widget.render(painter, QtCore.QPoint())
     painter.end()
     return bytes(buffer.data().data())
 
 
 def have_plot_menu(
-    widget: QWidget,
+    widget: QtWidgets.QWidget,
     report: Report,
     numbers: Numbers = str,
     table: Callable[[], object] | None = None,
 ) -> None:
     """Open the menu by the right button and the menu key; `table` asks where to write numbers."""
 
-    def open_at(point: QPoint) -> None:
+    def open_at(point: QtCore.QPoint) -> None:
         menu = plot_menu(widget, report, numbers if numbers() else None)
         if table is not None:
             offer(menu, "plot.table", "Save the numbers…", table)
         menu.popup(widget.mapToGlobal(point))
 
-    widget.setContextMenuPolicy(Qt.ContextMenuPolicy.CustomContextMenu)
+    widget.setContextMenuPolicy(QtCore.Qt.ContextMenuPolicy.CustomContextMenu)
     widget.customContextMenuRequested.connect(open_at)
 
 
-def plot_menu(widget: QWidget, report: Report, numbers: Numbers | None) -> Menu:
+def plot_menu(widget: QtWidgets.QWidget, report: Report, numbers: Numbers | None) -> Menu:
     menu = labelled(Menu(widget), "plot_menu")
     menu.aboutToHide.connect(menu.deleteLater)
-    clipboard = QGuiApplication.clipboard()
+    clipboard = QtGui.QGuiApplication.clipboard()
 
     def ask() -> None:
         kinds = KINDS if numbers else dialog_filter("Pictures", *PICTURES)
