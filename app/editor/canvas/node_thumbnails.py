@@ -142,7 +142,7 @@ class ThumbnailItem(QGraphicsItem):
             self._image = grey.copy()  # Qt's own: the array may go
         else:
             inner = self._box.adjusted(3, 3, -3, -3)
-            across = inner.left() + small.places * inner.width()
+            across = inner.left() + np.linspace(0.0, 1.0, len(small.values)) * inner.width()
             scale = inner.height() / ((small.high - small.low) or 1.0)
             self._zero = inner.bottom() + small.low * scale
             points = map(QPointF, across.tolist(), (self._zero - small.values * scale).tolist())
@@ -204,8 +204,7 @@ class SmallPicture:
 
 @dataclass(frozen=True, eq=False)
 class SmallCurve:
-    places: NDArray[np.float64]
-    values: NDArray[np.float64]
+    values: NDArray[np.float64]  # at even places, from no frequency to Nyquist
     low: float
     high: float
 
@@ -282,6 +281,6 @@ def _small_curve(passing: Passing, node: str, port: Part) -> SmallCurve:
     places = np.linspace(0.0, 1.0, _POINTS)
     values = np.interp(places * end, line.frequency, line.values)
     if port == "mtf":
-        return SmallCurve(places, values, min(0.0, float(values.min())), 1.0)
+        return SmallCurve(values, min(0.0, float(values.min())), 1.0)
     reach = max(float(np.abs(values).max()), 1e-9)
-    return SmallCurve(places, values, -reach, reach)
+    return SmallCurve(values, -reach, reach)

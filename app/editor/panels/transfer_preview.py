@@ -76,7 +76,10 @@ def transfer_lines(passing: Passing, node: str, part: Part) -> tuple[TransferLin
                 sampled = response(work, transfer.factors, frequencies, axis)
                 return sampled.mtf if part == "mtf" else sampled.ptf
 
-            return _line(_frequencies(end, turn), values_at, nyquist, cutoff, part)
+            places = np.linspace(0.0, end, SAMPLES)
+            if turn is not None:
+                places = np.append(0.0, np.geomspace(_lowest(end, turn), end, SAMPLES - 1))
+            return _line(places, values_at, nyquist, cutoff, part)
         # The first row or column of a function with frequencies of its own, in FFT order.
         row = own.values[0] if axis == "x" else own.values[:, 0]
         row = np.asarray(row[: (len(row) + 1) // 2], np.float64)
@@ -86,12 +89,6 @@ def transfer_lines(passing: Passing, node: str, part: Part) -> tuple[TransferLin
         return _line(frequency[frequency <= end + interval], between, nyquist, cutoff, part)
 
     return line("x", grid.nyquist_x), line("y", grid.nyquist_y)
-
-
-def _frequencies(end: float, turn: float | None) -> Vector:
-    if turn is None:
-        return np.linspace(0.0, end, SAMPLES)
-    return np.append(0.0, np.geomspace(_lowest(end, turn), end, SAMPLES - 1))
 
 
 def _lowest(end: float, turn: float) -> float:
@@ -153,16 +150,12 @@ def _turn(planned: PlannedNode) -> float | None:
     return float(module.turbidity_cutoff_cyc_per_mrad)
 
 
-def _alike(x: TransferLine, y: TransferLine) -> bool:
-    return (
+def _preview(part: Part, x: TransferLine, y: TransferLine, turn: float | None) -> preview.Preview:
+    alike = (
         x.values.shape == y.values.shape
         and np.allclose(x.frequency, y.frequency, rtol=1e-6, atol=0)
         and np.allclose(x.values, y.values, rtol=0, atol=1e-6)
     )
-
-
-def _preview(part: Part, x: TransferLine, y: TransferLine, turn: float | None) -> preview.Preview:
-    alike = _alike(x, y)
     named = [(x, "x = y", 0)] if alike else [(x, "x", 0), (y, "y", 1)]
     curves: list[preview.Curve] = []
     marks: list[preview.Mark] = []
