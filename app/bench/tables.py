@@ -226,6 +226,8 @@ PARTS = {
     "speed": "Speed",
     "precision": "Time against error",
     "peers": "Comparison with other programs",
+    "studies": "Studies",
+    "measure": "Measuring and fitting pictures",
 }
 TITLE = "Imagechain: run time against error"
 LEAD = (

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from app.bench.tables import Measured
     from app.run.preset_files import Preset
 
-BENCH_PARTS = ("speed", "precision", "peers")
+BENCH_PARTS = ("speed", "precision", "peers", "studies", "measure")
 _SOURCE = "Source: "
 _USE = (
     "To use a preset: in the editor, drag it from the library; in Python, "

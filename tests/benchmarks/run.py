@@ -28,8 +28,6 @@ PARTS = {
     "blocks": "Frames beyond memory",
     "scanning": "Line by line, or the whole image at once",
     "cameras": "A camera and its frames",
-    "studying": "Studies",
-    "measuring": "Measuring and fitting pictures",
 }
 
 

@@ -15,6 +15,8 @@ TABLES = {
     "precision": ["precision", "edges", "pupil_sampling", "wavelengths", "charge_transfer",
                   "poisson", "skipping"],
     "peers": ["peers"],
+    "studies": ["study_points", "study_scenes"],
+    "measure": ["measure", "fit"],
 }  # fmt: skip
 DRAWN = {"networks", "peers", *TABLES["precision"]}
 
