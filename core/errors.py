@@ -135,9 +135,9 @@ class ParameterError(InputError):
         self.unit = unit or ""
 
 
-def listed(names: Sequence[str]) -> str:
+def listed(names: Sequence[str], joint: str = "and") -> str:
     """``a, b and c``."""
-    return " and ".join(part for part in (", ".join(names[:-1]), names[-1]) if part)
+    return f" {joint} ".join(part for part in (", ".join(names[:-1]), names[-1]) if part)
 
 
 _RANGE = re.compile(

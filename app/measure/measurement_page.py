@@ -14,7 +14,7 @@ from app.report.drawing.picture_drawing import COLOURS, figure, number
 from app.run.saving import robust_limits
 from app.run.terminal import json_text
 from core.atomic import write_text
-from core.errors import DataError, UsageError, printable
+from core.errors import DataError, UsageError, listed, printable
 from core.physics.measurement.edge_mtf import LARGEST_ANGLE_DEG, MtfCurve
 from core.physics.measurement.picture_noise import FramesNoise
 from core.records import asdict
@@ -405,7 +405,8 @@ def measurement_text(measured: PictureMeasurement, path: Path) -> str:
     elif HTML.matches(path):
         text = measurement_page(measured)
     else:
-        raise UsageError(f"{path}: the file's name must end in {', '.join(suffixes(*WRITTEN))}")
+        ends = listed(suffixes(*WRITTEN), "or")
+        raise UsageError(f"{path}: the file's name must end in {ends}")
     # Names of files may hold what cannot be written.
     return "\n".join(printable(line) for line in text.split("\n"))
 

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from core.errors import UsageError
+from core.errors import UsageError, listed
 from core.records import dataclass
 from nodes.files import file_format as formats
 
@@ -151,8 +151,7 @@ def ending_in(*allowed: formats.Format) -> Callable[[str, str], Path]:
     def read(option: str, text: str) -> Path:
         path = file_path(option, text)
         if not any(file_format.matches(path) for file_format in allowed):
-            *words, last = formats.suffixes(*allowed)
-            ends = f"{', '.join(words)} or {last}" if words else last
+            ends = listed(formats.suffixes(*allowed), "or")
             raise UsageError(f"{option} {text!r:.120}: the file name must end in {ends}")
         return path
 

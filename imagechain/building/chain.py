@@ -407,7 +407,7 @@ class Chain:
         threads: int = 0,
         **scene: Any,
     ) -> Camera:
-        """Plan the chain once for many frames: ``camera(frame)`` returns one picture.
+        """Plan the chain once for many frames; call the returned `Camera` with each frame.
 
         The picture is bit-identical to the picture from `run` with the frame as its scene. A camera
         gives no curves or read-outs.

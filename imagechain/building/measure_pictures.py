@@ -18,7 +18,7 @@ from app.measure.measurement_text import figure_rows, refused_lines, remarks
 from app.measure.picture_measurement import NO_DATA, PictureFile, PictureMeasurement, limits_of
 from app.run.terminal import columns, json_text, jsonable
 from core.atomic import write_text
-from core.errors import DataError, ParameterError, UsageError
+from core.errors import DataError, ParameterError, UsageError, listed
 from core.evaluation.work import Policy, Precision
 from imagechain.building.chain import Chain
 from imagechain.building.chain import open as open_chain
@@ -185,7 +185,7 @@ class FittedChain:
             name = self.chain.name or "Chain"
             text = fit_page(self._result, network=name, pictures=self._pictures)
         else:
-            allowed = ", ".join(suffixes(JSON, HTML))
+            allowed = listed(suffixes(JSON, HTML), "or")
             raise UsageError(f"{file}: the file's name must end in {allowed}")
         write_text(file, text)
         return file

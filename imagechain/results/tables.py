@@ -337,7 +337,7 @@ class Picture:
 
     @plain_errors
     def cube(self) -> NDArray[Any]:
-        """All wavelength bands, (bands, rows, columns), each as `band` returns it."""
+        """All wavelength bands in one array, (bands, rows, columns), each as `band` returns it."""
         return np.stack([self.band(index) for index in range(max(1, len(self.wavelengths_um)))])
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:

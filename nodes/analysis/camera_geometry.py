@@ -360,11 +360,11 @@ class CameraGeometry(Module, key="camera_geometry", title="Camera Geometry", gro
             return step_y_mrad / 1000.0 * self.altitude_m
         if rate is None:
             raise ParameterError(
-                "line_rate_Hz", None, "velocity_m_per_s is given. Give a line rate too"
+                "line_rate_Hz", None, "give a line rate too, or leave velocity_m_per_s empty"
             )
         if velocity is None:
             raise ParameterError(
-                "velocity_m_per_s", None, "line_rate_Hz is given. Give a ground speed too"
+                "velocity_m_per_s", None, "give a ground speed too, or leave line_rate_Hz empty"
             )
         return velocity / rate
 

@@ -72,17 +72,18 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
     The apparent ΔT at a range is ΔT·exp(−extinction·range). After an Atmospheric Path, the apparent
     ΔT follows from the path's τ(R) at each wavelength, weighted by dL/dT.
 
-    Johnson: the number of cycles resolved across the target, divided by N50. The highest frequency
-    resolved is the one at which the target's apparent ΔT equals the 2-D MRTD.
+    Johnson: the probability depends on the number of cycles resolved across the target, divided by
+    N50. The highest frequency resolved is the one at which the target's apparent ΔT equals the 2-D
+    MRTD.
 
-    TTP: the sum of √(contrast/threshold) over frequencies. With `mrtd` the threshold is the root
-    sum of squares of CTF_eye/MTF and the contrast of the MRTD. With `system_contrast_threshold` the
-    threshold is the published CTF_eye/MTF·√(1 + α²·σ²/S²); use published V50 values with this
-    threshold. Here α = 169.6 √Hz, S is the scene contrast, and σ is the noise in K·√s that passes
-    the eyeball and the eye's visual channel at each frequency. With `flir92`, σ includes fixed
-    patterns. The MRTD includes neither the display nor the eye's contrast threshold. The defaults
-    are a target of 2.3 m with ΔT = 2 K, and N50 for the 2-D MRTD. A V50 of 18.8 is quoted for
-    identifying tracked vehicles; this value could not be checked.
+    TTP: the probability depends on the sum of √(contrast/threshold) over frequencies. With `mrtd`
+    the threshold is the root sum of squares of CTF_eye/MTF and the contrast of the MRTD. With
+    `system_contrast_threshold` the threshold is the published CTF_eye/MTF·√(1 + α²·σ²/S²); use
+    published V50 values with this threshold. Here α = 169.6 √Hz, S is the scene contrast, and σ is
+    the noise in K·√s that passes the eyeball and the eye's visual channel at each frequency. With
+    `flir92`, σ includes fixed-pattern noise. The MRTD includes neither the display nor the eye's
+    contrast threshold. The defaults are a target of 2.3 m with ΔT = 2 K, and N50 for the 2-D MRTD.
+    A V50 of 18.8 is quoted for identifying tracked vehicles; this value could not be checked.
 
     Sources: Ratches et al. 1975, ECOM-7043; Ratches 1976, Opt. Eng. 15, 525; Scott and D'Agostino
     1992, Proc. SPIE 1689, 194 (FLIR92); Johnson 1958; Ratches, Vollmerhausen and Driggers 2001,

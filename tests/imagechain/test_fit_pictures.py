@@ -62,7 +62,7 @@ def test_a_fit_is_saved_and_its_chain_runs(folder):
     value = fitted.parameters["blur.sigma_x_mrad"].value
     assert ic.open("fitted.json").get("blur.sigma_x_mrad") == value
     assert fitted.chain.run().image().shape == (64, 64)
-    with pytest.raises(ic.UsageError, match=r"must end in \.json, \.html"):
+    with pytest.raises(ic.UsageError, match=r"must end in \.json or \.html"):
         fitted.save("fit.txt")
 
 

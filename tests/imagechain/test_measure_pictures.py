@@ -42,7 +42,7 @@ def test_arrays_and_files(tmp_path):
     assert measured.x.edges == 2
     with pytest.raises(ic.ParameterError, match="edge = 7"):
         measured.without(7)
-    with pytest.raises(ic.UsageError, match=r"must end in \.json, \.csv, \.html"):
+    with pytest.raises(ic.UsageError, match=r"must end in \.json, \.csv or \.html"):
         measured.save(tmp_path / "m.txt")
 
 
