@@ -139,7 +139,7 @@ USAGE = {
     "no list": (["--sample=list.csv"], "cannot read list.csv: No such file"),
     "over the network": ([SIGMA, "--summary=a.csv"], "must end in .png or .html"),
     "one name": ([SIGMA, "--save=back.image=a.npy"], "two files of points 1 and 2"),
-    "both": ([SIGMA, "--jobs=2", "--scheduler=tcp://x:1"], "not both"),
+    "both": ([SIGMA, "--jobs=2", "--scheduler=tcp://x:1"], "cannot be used together"),
 }
 
 
