@@ -84,8 +84,8 @@ def _failed(error: Exception, *, written: bool, hints: bool) -> int:
     if isinstance(error, ImagechainError):
         gone = f" ({gone})" if gone and error.exit_code == InputError.exit_code else ""
         hint = f"; {error.hint}" if hints and error.hint else ""
-        more = getattr(error, "more", 0)
-        said = f"{error} (and {more} more: imagechain check lists them)" if more else str(error)
+        more = len(getattr(error, "problems", ())) - 1
+        said = f"{error} (and {more} more: imagechain check lists them)" if more > 0 else str(error)
         return _fail(said + hint + gone, error.exit_code)
     if gone and isinstance(error, FileNotFoundError):
         return _fail(gone, 2)

@@ -472,10 +472,10 @@ def least_scratch(recipes: Iterable[Recipe], blocks: BlockRun, policy: Policy) -
 def _refusal(recipe: Recipe, shape: Shape, disk: ScratchDisk) -> DataError:
     return DataError(
         f"{_what(recipe)} cannot run in blocks, and the whole picture of {shape[0]} × {shape[1]} "
-        f"samples does not fit in {amount_text(disk.memory_bytes)} of memory. Raise the memory "
-        "limit, or leave the node out",
+        f"samples does not fit in {amount_text(disk.memory_bytes)} of memory. Leave the node "
+        "out, or allow more memory",
         node=recipe.node,
-        hint="--memory sets the limit",
+        hint="give a higher --memory",
     )
 
 

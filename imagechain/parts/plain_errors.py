@@ -26,7 +26,7 @@ def plain_errors(function: Callable[P, T]) -> Callable[P, T]:
             raised = error.with_traceback(None)
         raised.__context__ = None
         raised.__cause__ = getattr(raised, "fault", None)
-        if more := getattr(raised, "more", 0):
+        if (more := len(getattr(raised, "problems", ())) - 1) > 0:
             raised.add_note(f"(and {more} more; chain.check() lists all errors)")
         raise raised
 

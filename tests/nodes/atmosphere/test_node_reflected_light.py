@@ -151,4 +151,4 @@ def test_an_illuminance_scales_the_light_and_starlight_is_warned_of(lit):
     )
     assert warned(bench) == []
     (said,) = warned(lit({"illuminance_lux": 0.001}))
-    assert "0.001 lx is starlight" in said
+    assert "at 0.001 lx (starlight)" in said

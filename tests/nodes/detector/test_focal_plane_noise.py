@@ -154,7 +154,7 @@ def test_the_dynamic_range_ends_where_the_picture_is_clipped(tmp_path, params, s
     [
         ({"integration_time_s": 0.1}, ("% of the full well", "tdi_stages", "full_well_e")),
         ({"gain_e_per_dn": 10.0}, ("16383", "gain_e_per_dn", "offset_dn")),
-        ({"offset_dn": -2000.0}, ("mean gives -", "minimum of 0", "raise offset_dn")),
+        ({"offset_dn": -2000.0}, ("mean gives -", "minimum of 0", "Raise offset_dn")),
         ({}, ()),
     ],
     ids=["well", "converter", "below the converter", "neither"],

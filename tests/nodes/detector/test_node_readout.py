@@ -128,7 +128,7 @@ def test_a_well_in_another_unit_is_warned_of(tmp_path, well, warned):
     found = bench.warnings()
     assert [caution.check for caution in found] == ["well"] * warned
     if warned:
-        assert "10000, but the picture's largest sample is 20 W/m²/sr: give" in str(found[0])
+        assert "10000, but the picture's largest sample is 20 W/m²/sr. Give" in str(found[0])
 
 
 @pytest.mark.parametrize("module", [*CHAIN, "persistence"])

@@ -181,7 +181,7 @@ def test_few_samples_are_counted(planned, scale, words):
         (
             {"altitude_km": 600},
             {"velocity_m_per_s": 7500},
-            "6908 m/s on Camera: set velocity_m_per_s to 0",
+            "6908 m/s on Camera. Set velocity_m_per_s to 0",
         ),
     ],
 )

@@ -113,7 +113,7 @@ def test_the_mtf_under_the_mouse_is_told(measured):
     chart = measured.chart
     QTest.mouseMove(chart, QPoint(chart.width() // 3, chart.height() // 2))
     told = re.match(
-        r"([\d.]+) cycles/sample: across ([\d.]+) ± ([\d.]+)", measured.status.more.text()
+        r"([\d.]+) cycles/sample: horizontal ([\d.]+) ± ([\d.]+)", measured.status.more.text()
     )
     frequency, mtf, error = map(float, told.groups())
     assert 0.1 < frequency < 0.4
