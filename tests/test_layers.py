@@ -1,4 +1,4 @@
-"""app → nodes → core, never back."""
+"""imagechain → app → nodes → core, never back."""
 
 import ast
 import sys
@@ -45,6 +45,17 @@ def test_layer_imports_only_what_it_may(layer):
         if name.split(".")[0] not in allowed
     }
     assert files(layer)
+    assert not wrong
+
+
+def test_physics_knows_no_network_and_no_engine():
+    rooms = ("chain", "editing", "evaluation", "modules", "network", "transfer")
+    wrong = {
+        f"{path.relative_to(ROOT)}: {name}"
+        for path in files("core/physics")
+        for name in imports(path)
+        if name.startswith(tuple(f"core.{room}." for room in rooms))
+    }
     assert not wrong
 
 
@@ -106,8 +117,6 @@ def test_of_scipy_only_fft_and_special(layer):
     # Imported in functions, as test_loaded_modules sees to.
     assert wrong <= {
         "app/fit/chain_fit.py: scipy.optimize.least_squares",
-        "app/fit/parameter_search.py: scipy.optimize.least_squares",
-        "app/fit/scene_fit.py: scipy.ndimage",
         "core/physics/detector/readout.py: scipy.optimize.isotonic_regression",
         "core/physics/measurement/found_edge.py: scipy.ndimage",
         "core/physics/measurement/ridges.py: scipy.sparse.coo_array",

@@ -110,7 +110,9 @@ def save_array(path: Path, array: Array, metadata: dict[str, Any]) -> None:
         if whole is not None:
             formats.write_picture(path, array, dtype=whole, metadata=metadata)
             return
-        double = array.dtype == np.float64 and "double" in kind.dtypes
+        double = "float" not in kind.dtypes or (
+            array.dtype == np.float64 and "double" in kind.dtypes
+        )
         formats.write_picture(path, array, dtype="double" if double else "float", metadata=metadata)
     else:
         levels = grey_levels(float(array.min()), float(array.max()), array)

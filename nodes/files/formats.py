@@ -156,7 +156,7 @@ class PictureFormat(Format):
 
     @property
     def stores_floats(self) -> bool:
-        return "float" in self.dtypes
+        return bool({"float", "double"} & set(self.dtypes))
 
     def claims(self, path: Path) -> bool:
         return self.matches(path) or (self.recognizes is not None and self.recognizes(path))
