@@ -293,8 +293,8 @@ def network_options(function: Function) -> Function:
             "use this picture or cube as the scene; NODE selects one of several scenes",
             _scene, many=True, to="scenes"),
         scene("--scene-fov-deg", "X Y",
-            "field of view of the scene (default: from the file's header, else the width of the "
-            "original scene)",
+            "field of view of the scene (default: from the file's header, else the width or height "
+            "of the original scene)",
             option_values.finite_number, nargs=2),
         scene("--scene-range-m", "M", "distance to the scene", option_values.finite_number),
         scene("--scene-sample-m", "M", "size of a scene sample, instead of the scene's field of "

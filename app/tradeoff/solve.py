@@ -309,6 +309,8 @@ def _nothing(
         return f"{shown_value(sample[1], figure.unit)} at {shown_value(sample[0], unit)}"
 
     name = figure.text
+    begins = f"{name} has no value: "  # as most reasons do
+    reasons = {place: reason.removeprefix(begins) for place, reason in reasons.items()}
     if not search.seen:
         why = "".join(f": {reason}" for reason in list(reasons.values())[:1])
         return f"{name} has no value for any value of {port}{why}"
