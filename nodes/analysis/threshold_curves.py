@@ -141,7 +141,8 @@ def thresholds(
     if isinstance(sensed, Unseen):
         return sensed
     nyquist_x, nyquist_y = grid.nyquist_x, grid.nyquist_y
-    frequency = np.linspace(0.0, _HIGHEST * max(nyquist_x, nyquist_y), _SAMPLES + 1)[1:]
+    even = np.linspace(0.0, _HIGHEST * max(nyquist_x, nyquist_y), _SAMPLES + 1)[1:]
+    frequency = np.union1d(even, (nyquist_x, nyquist_y))  # where sampled curves end
     mtf_x = _to_first_zero(work, stages, lineage.HORIZONTAL, frequency)
     mtf_y = _to_first_zero(work, stages, lineage.VERTICAL, frequency)
     spectrum = sensed.spectrum

@@ -145,7 +145,7 @@ def mrtd_flir92_K(  # noqa: N802
     Returns
     -------
     ndarray of float64, shape (n,)
-        K; infinite from the first zero of H on, and from the limit of sampling on.
+        K; infinite from the first zero of H on, and beyond the limit of sampling.
 
     Notes
     -----
@@ -183,7 +183,7 @@ def mrtd_flir92_K(  # noqa: N802
         )
     mrtd = _threshold(transfer, numerics.positive("snr_threshold", snr_threshold) * np.sqrt(left))
     if sampled:
-        mrtd[at >= across_cyc_per_mrad] = np.inf
+        mrtd[at > across_cyc_per_mrad] = np.inf
     return mrtd
 
 

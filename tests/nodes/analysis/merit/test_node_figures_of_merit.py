@@ -125,8 +125,7 @@ class TestMrtd:
         for label in ("horizontal", "vertical"):
             last = curves[label].x[-1]
             if label in ends:
-                assert last < NYQUIST
-                assert last == pytest.approx(NYQUIST, rel=0.01)
+                assert last == pytest.approx(NYQUIST, rel=1e-12)
             else:
                 assert last == pytest.approx(2 * NYQUIST, rel=0.01)
 
