@@ -2872,7 +2872,7 @@ def poisson_noise(
     Poisson Noise, in the group Electronics & Noise.
     Inputs: image.
     Outputs: image, noise.
-    Read-outs: noise_mean (W/m²/sr), noise_sigma (W/m²/sr).
+    Read-outs: noise_mean, noise_sigma.
     """
 
 def electronics_noise(

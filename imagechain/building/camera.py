@@ -32,8 +32,8 @@ class Camera:
     """A chain as a function: ``camera(frame)`` runs the chain with the frame as its scene.
 
     Create a camera with `Chain.camera`. Only the requested outputs are computed. Results that all
-    frames share are computed once; all other results are discarded after each frame. A camera can
-    be sent to other processes.
+    frames share are kept from the second frame on; all other results are discarded after each
+    frame. A camera can be sent to other processes.
     """
 
     def __init__(

@@ -142,8 +142,9 @@ class PoissonNoise(
         )
 
     moments = TableFigures(
-        ("noise_mean", "W/m²/sr", "Mean of the noise."),
-        ("noise_sigma", "W/m²/sr", "Standard deviation of the noise."),
+        ("noise_mean", "", "Mean of the noise."),
+        ("noise_sigma", "", "Standard deviation of the noise."),
+        unit_of="image",
         table=lambda outputs: Step.of(_moments, outputs.noise.recipe),
     )
 

@@ -39,6 +39,7 @@ class Help(QObject):
         self._window = window
         self._process = QProcess(self)  # it finds pages of the handbook, and writes them at first
         self._process.finished.connect(self._found)
+        self._wanted = self._sought = ""
 
     def shortcuts(self, actions: Actions) -> None:
         show_beside(self._window, shortcut_list(actions, self._window))
@@ -56,7 +57,9 @@ class Help(QObject):
     def open_handbook(self, word: str = "") -> None:
         """Open the page of a module in the browser, or the first."""
         self._session.message.emit("note", "opening the handbook")
+        self._wanted = word  # by the time the page before it is found, another may be
         if self._process.state() == QProcess.ProcessState.NotRunning:
+            self._sought = word
             program, *words = command("app.command.cli", "handbook", "--path", word)
             self._process.setProcessEnvironment(python_environment())
             self._process.start(program, [one for one in words if one])
@@ -68,6 +71,9 @@ class Help(QObject):
             self._process.kill()
 
     def _found(self, code: int) -> None:
+        if self._wanted != self._sought:
+            self.open_handbook(self._wanted)
+            return
         printed = bytes(self._process.readAllStandardOutput().data()).decode().strip()
         errors = bytes(self._process.readAllStandardError().data()).decode("utf-8", "replace")
         if code or not printed:

@@ -334,11 +334,13 @@ class LayoutMenu(Menu):
     def __init__(self, settings: Settings, layout: WindowLayout, window: QMainWindow) -> None:
         super().__init__("Saved La&youts", window)
         self._settings, self._layout, self._window = settings, layout, window
+        self._deleting = Menu("&Delete", self)
         self.aboutToShow.connect(self._fill)
 
     def _fill(self) -> None:
         self.clear()
-        deleting = Menu("&Delete", self)
+        deleting = self._deleting
+        deleting.clear()
         for name, places in self._settings.layouts.items():
             choosing = partial(self._layout.restore, *places)
             for menu, act in ((self, choosing), (deleting, partial(self._keep, name))):

@@ -202,7 +202,7 @@ class AirPath:
 
 
 def require_covered(points: Points, cut_on_um: float, cut_off_um: float) -> None:
-    """Refuse a band that a table, if there is one, does not cover (`ParameterError`)."""
+    """Refuse a band that a table, if there is one, does not cover (`DataError`)."""
     if not points:
         return
     first, last = points[0][0], points[-1][0]
