@@ -197,25 +197,38 @@ _PLAIN = getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
 
 
 def take(path: Path) -> Callable[[], None] | None:
-    """Make a lock file of this process; None where the file system has no locks.
+    """Make a lock file of this process; None where another has it, or there are no locks.
 
     What is given back lets go of the lock, and removes its file; the process' end does so too.
     """
-    descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o600)
-    try:
-        _try(descriptor)
-        os.write(descriptor, b"\n")  # an empty one is not locked yet
-    except OSError:
-        os.close(descriptor)
-        return None
+    while True:
+        descriptor = os.open(path, os.O_RDWR | os.O_CREAT | _PLAIN, 0o600)
+        try:
+            _try(descriptor)
+            if is_there := _is_at(path, descriptor):
+                os.write(descriptor, b"\n")  # an empty one is not locked yet
+        except OSError:
+            os.close(descriptor)
+            return None
+        if is_there:
+            break
+        os.close(descriptor)  # whoever had the lock before has removed the file opened here
 
     def let_go() -> None:
         _remove(path)
         with contextlib.suppress(OSError):
             os.close(descriptor)
-        _remove(path)  # where an open file cannot be removed
+        if sys.platform == "win32":  # where an open file cannot be removed
+            _remove(path)
 
     return let_go
+
+
+def _is_at(path: Path, descriptor: int) -> bool:
+    try:
+        return os.path.samestat(path.stat(), os.fstat(descriptor))
+    except FileNotFoundError:
+        return False
 
 
 @contextlib.contextmanager

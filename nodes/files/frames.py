@@ -99,14 +99,18 @@ def _write_npy(file: BinaryIO, series: FrameSeries, frames: Iterable[Array]) -> 
     _write_samples(file, series, frames)
 
 
-def _write_tiff(file: BinaryIO, series: FrameSeries, frames: Iterable[Any], **layout: Any) -> None:
+def _write_tiff(
+    file: BinaryIO, series: FrameSeries, frames: Iterable[Any], size_bytes: int = 0, **layout: Any
+) -> None:
     """A page for each of the frames, whose samples may come as tiles by a `layout`."""
     # Imported when needed: 70 ms that a run without such files need not pay.
     from tifffile import TiffWriter
 
     text = picture_info.metadata_text(series.metadata).encode() if series.metadata else None
     how: dict[str, Any] = {"photometric": "minisblack", "description": text, **layout}
-    with TiffWriter(file, bigtiff=series.size_bytes > _CLASSIC_BYTES, byteorder="<") as tiff:
+    with TiffWriter(
+        file, bigtiff=max(size_bytes, series.size_bytes) > _CLASSIC_BYTES, byteorder="<"
+    ) as tiff:
         for frame in frames:
             samples = frame if layout else np.ascontiguousarray(frame, series.dtype)
             tiff.write(samples, metadata=None, software=False, **how)
@@ -166,15 +170,16 @@ def write_frames(
 def write_tiled_tiff(path: Path, series: FrameSeries, samples: Array) -> None:
     """Write a picture, perhaps on disk, as a page of tiles, filled up with zeros at its ends."""
     rows, columns = samples.shape
-    side = min(_LONGEST_PX, -(-max(samples.shape) // _STEP_PX) * _STEP_PX)
+    tall, wide = (min(_LONGEST_PX, -(-side // _STEP_PX) * _STEP_PX) for side in samples.shape)
     tiles = (
-        np.ascontiguousarray(samples[top : top + side, left : left + side], series.dtype)
-        for top in range(0, rows, side)
-        for left in range(0, columns, side)
+        np.ascontiguousarray(samples[top : top + tall, left : left + wide], series.dtype)
+        for top in range(0, rows, tall)
+        for left in range(0, columns, wide)
     )
-    layout = {"tile": (side, side), "shape": series.shape, "dtype": series.dtype}
+    layout = {"tile": (tall, wide), "shape": series.shape, "dtype": series.dtype}
+    filled = -(-rows // tall) * tall * -(-columns // wide) * wide * series.dtype.itemsize
     with _written(path) as file:
-        _write_tiff(file, series, [tiles], **layout)
+        _write_tiff(file, series, [tiles], size_bytes=filled, **layout)
 
 
 @contextlib.contextmanager
@@ -187,7 +192,9 @@ def _written(path: Path) -> Iterator[BinaryIO]:
             file.flush()
             os.fsync(file.fileno())
     except OSError as error:
-        raise FileError(f"cannot write {path}: {error.strerror or error}") from error
+        # NumPy, which writes the samples, does not say why it could not.
+        why = error.strerror or "the disk is full, or the file too large for it"
+        raise FileError(f"cannot write {path}: {why}") from error
 
 
 def refuse_without_room(files: Sequence[tuple[Path, FrameSeries]]) -> None:

@@ -8,6 +8,7 @@ import time
 import pytest
 
 from child_process import kill_program, run_program
+from core import atomic
 from core.atomic import (
     ABANDONED_S,
     FOLDER_PREFIX,
@@ -280,3 +281,32 @@ def test_what_another_user_left_stays(tmp_path):
     shutil.chown(place, 65534)
     sweep(tmp_path)
     assert place.is_dir()
+
+
+@pytest.mark.skipif(os.name == "nt", reason="an open file cannot be removed")
+def test_a_lock_is_of_the_file_that_is_there(tmp_path, monkeypatch):
+    """Between opening and locking it, the one who had it removes the file, as a study does."""
+    path, tried = tmp_path / "a.lock", atomic._try
+
+    def late(descriptor):
+        if not made:
+            path.unlink()
+            made.append(path)
+        tried(descriptor)
+
+    made = []
+    monkeypatch.setattr(atomic, "_try", late)
+    let_go = atomic.take(path)
+    assert made
+    assert atomic.is_held(path)
+    assert atomic.take(path) is None
+    let_go()
+    assert not path.exists()
+
+
+def test_a_link_is_no_lock(tmp_path):
+    (tmp_path / "data").write_text("important")
+    (tmp_path / "a.lock").symlink_to("data")
+    with pytest.raises(OSError, match="symbolic"):
+        atomic.take(tmp_path / "a.lock")
+    assert (tmp_path / "data").read_text() == "important"
