@@ -119,11 +119,12 @@ class ModuleTree(QtWidgets.QTreeWidget):
 
 def about_preset(preset: Preset, apart: Sequence[Difference]) -> str:
     """What it is, its whole name first, and the values in which it differs from its siblings."""
-    values = " · ".join(
+    told = (
         f"{label_of(one.name)} {shown_value(one, value)} {one.param.unit}".strip()
         for _, one, value in apart
         if value is not None
     )
+    values = " · ".join(dict.fromkeys(told))  # two of its modules may have the same
     differs = f"Values that differ from similar presets: {values}" if values else ""
     return "\n\n".join(filter(None, (preset.title, preset.text, differs)))
 

@@ -391,7 +391,7 @@ class BadgeItem(QGraphicsItem):
         painter.save()
         scale = min(max(1.0, _SMALLEST_PX / (_RADIUS * zoom)), _LARGEST)
         if scale > 1:  # on the very corner, where it hides little of the title
-            painter.translate(INSET, -INSET)
+            painter.translate(INSET, -INSET - _RADIUS * (scale - 1) / 2)
         painter.scale(scale, scale)
         colour = QColor(self.style.theme.badges[self.badge.kind])
         ground = QColor(self.style.theme.node)

@@ -231,6 +231,11 @@ class EdgeCanvas(pg.PlotWidget):  # type: ignore[misc]
         filled(QtWidgets.QVBoxLayout(self), self.hint)
         self.scene().sigMouseClicked.connect(self._clicked)
 
+    def changeEvent(self, event: QEvent) -> None:
+        super().changeEvent(event)
+        if event.type() == QEvent.Type.PaletteChange:
+            self.setBackground(theme_of(self).surround)
+
     def show_measured(self, measured: PictureMeasurement | None, picture: int = 0) -> None:
         from app.run.saving import grey_levels, robust_limits
 

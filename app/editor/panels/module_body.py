@@ -90,6 +90,7 @@ class ModuleBody(QWidget):
     def _mark_free(self) -> None:
         for field in self.sections.fields:
             field.show_free(self._session.free.has(self._node, field.parameter.name))
+        self.sections.line_up()  # names are longer then
 
 
 class PortsView(QWidget):
@@ -273,6 +274,9 @@ class SectionsView(QWidget):
         super().resizeEvent(event)
         self._line_up(self.width())
 
+    def line_up(self) -> None:
+        self._line_up(self.width() if self.isVisible() else _AT_FIRST)
+
     def _line_up(self, width: int) -> None:
         """Give names what they need where that leaves room for the fields of this page."""
         metrics = self.fontMetrics()
@@ -302,7 +306,7 @@ class SectionsView(QWidget):
         for box, section, fits in zip(self._boxes, self.sections, met, strict=True):
             box.setVisible(fits and section.page in ("", page))
         if hidden != [box.isHidden() for box in self._boxes]:
-            self._line_up(self.width() if self.isVisible() else _AT_FIRST)
+            self.line_up()
 
 
 def _differs(params: Mapping[str, Any], name: str, raw: Any) -> bool:

@@ -14,8 +14,9 @@ from PySide6.QtWidgets import QApplication
 from scipy.ndimage import gaussian_filter
 from scipy.special import erf
 
-from app.editor.docks.edges import edge_look
+from app.editor.docks.edges import EdgeCanvas, edge_look
 from app.editor.docks.measure_view import MeasureView, check_stop
+from app.editor.theme import THEMES
 from app.measure.measurement_text import REMOVED, USED
 from child_process import PATIENCE_S
 from core.editing.operations import set_network_field
@@ -216,3 +217,13 @@ def test_the_window_measures_what_a_viewer_shows(window, qtbot):
     assert view.source is None
     assert view.table.topLevelItemCount() == 0
     assert view.status.title.text() == ""
+
+
+def test_the_ground_of_a_picture_follows_the_theme(qtbot):
+    app = QApplication.instance()
+    app.setPalette(THEMES["dark"].palette())
+    canvas = EdgeCanvas(None)
+    qtbot.addWidget(canvas)
+    app.setPalette(THEMES["light"].palette())
+    qtbot.waitUntil(lambda: canvas.backgroundBrush().color() == THEMES["light"].surround)
+    app.setPalette(THEMES["dark"].palette())

@@ -204,8 +204,8 @@ def test_opening_twenty_documents_leaves_nothing_behind(evaluator, small, settle
     # A slow machine also holds what a preview was made of, which is less than the network's own.
     assert 0 < max(used) <= 2 * min(used)
     assert threads[-1] <= threads[0]
-    # What earlier tests have left may be gone only in the end.
-    assert min(planned) == planned[-1] > 0
+    # What earlier tests have left may be gone only in the end; a preview has a plan of its own.
+    assert 0 < planned[-1] < 4 * len(small.network.nodes)
     small.open(Document(Network(), library=small.library))
     settled()
     assert store.used_bytes == 0

@@ -117,6 +117,7 @@ def entries(window):
     """The actions of the menu of saved layouts by their texts, opened as by the mouse."""
     window.layout_menu.aboutToShow.emit()
     found = window.layout_menu.actions()
+    assert len(window.layout_menu.findChildren(QMenu)) == 1  # the one before it is not left
     return {action.text(): action for action in found if not action.isSeparator()}
 
 
