@@ -1317,17 +1317,17 @@ def field_psf(
         sagittal rms width (across the radius); empty: equal to tangential_mrad [mrad]: a list of
         numbers from 0 to 1e+06; default ()
     path_1 : str | PathLike[str] | None
-        MTF or PSF file of one position; files follow the order of positions: a file name or empty;
-        default empty
+        MTF or PSF file for one position, in the order of `positions`: a file name or empty; default
+        empty
     path_2 : str | PathLike[str] | None
-        MTF or PSF file of one position; files follow the order of positions: a file name or empty;
-        default empty
+        MTF or PSF file for one position, in the order of `positions`: a file name or empty; default
+        empty
     path_3 : str | PathLike[str] | None
-        MTF or PSF file of one position; files follow the order of positions: a file name or empty;
-        default empty
+        MTF or PSF file for one position, in the order of `positions`: a file name or empty; default
+        empty
     path_4 : str | PathLike[str] | None
-        MTF or PSF file of one position; files follow the order of positions: a file name or empty;
-        default empty
+        MTF or PSF file for one position, in the order of `positions`: a file name or empty; default
+        empty
     sample_pitch_um : float | Expression | None
         sampling interval of PSF files; empty: from the file [µm]: a number of at least 0 or empty;
         default empty
@@ -3718,8 +3718,8 @@ def camera_geometry(
     offset_y_m : float | Expression
         distance of the camera from the scene's centre, down the picture [m]: a number; default 0.0
     interpolation : Literal['area', 'bilinear', 'cubic']
-        interpolation between scene samples: constant (area), linear (bilinear), or parabolic
-        (cubic): one of area, bilinear, cubic; default 'area'
+        interpolation between scene samples: constant over each sample (area), linear (bilinear), or
+        smooth (cubic: each sample keeps its mean): one of area, bilinear, cubic; default 'area'
     strips : int | Expression
         number of strips per oblique footprint: a whole number from 1 to 64; default 4
     outside : Literal['refuse', 'fill']

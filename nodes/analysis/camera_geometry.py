@@ -223,8 +223,8 @@ class CameraGeometry(Module, key="camera_geometry", title="Camera Geometry", gro
     )
     interpolation: Between = param(
         "area",
-        "interpolation between scene samples: constant (area), linear (bilinear), or "
-        "parabolic (cubic)",
+        "interpolation between scene samples: constant over each sample (area), linear "
+        "(bilinear), or smooth (cubic: each sample keeps its mean)",
     )
     strips: int = param(4, "number of strips per oblique footprint", (1, 64))
     outside: Literal["refuse", "fill"] = param(

@@ -239,8 +239,8 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
         obscured = f" and obscuration_ratio = {sheet.obscuration_ratio:g}"
         return Caution(
             f"t_number = {sheet.t_number:g} is too small for f_number = {sheet.f_number:.4g}"
-            f"{obscured if sheet.obscuration_ratio else ''}: it means {clear:.4g} sr, but a "
-            f"lossless lens collects {most:.4g} sr. The T-number is used",
+            f"{obscured if sheet.obscuration_ratio else ''}: the T-number implies a solid angle of "
+            f"{clear:.4g} sr, but such a lens without loss has {most:.4g} sr. The T-number is used",
             "correct t_number or f_number; a T-number is larger than the F-number",
         )
 

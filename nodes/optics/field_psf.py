@@ -35,7 +35,7 @@ _MOST_REACH, _LOST = 1024, 0.005  # samples around a tile; share of light
 _DOUBTFUL = 5.0  # % of the range
 _FIGURED = 6  # cells along each axis of a quadrant, of which the error is figured
 _Path = Annotated[
-    Path | None, Param("MTF or PSF file of one position; files follow the order of positions")
+    Path | None, Param("MTF or PSF file for one position, in the order of `positions`")
 ]
 
 

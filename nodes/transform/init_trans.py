@@ -198,7 +198,7 @@ class InitTrans(
 
     @warning
     def field_of_view(self, image: Image) -> Caution | None:
-        """The field of view differs from samples times the picture's sampling interval."""
+        """The field of view differs from the number of samples times the sampling interval."""
         sampled = {
             name: None if interval is None else math.degrees(interval * samples / 1000.0)
             for name, interval, samples in (

@@ -263,7 +263,7 @@ class RunsView(QtWidgets.QWidget):
         self.clear = tool_button("runs.clear", "Clear", about, self, self._queue.clear)
         about = "Open the folder with the selected run's files"
         self.folder = tool_button("runs.folder", "Open Folder", about, self, self._open_folder)
-        about = "Open the selected run's report, or a sweep's trade-off"
+        about = "Open the selected run's report (for a sweep: its trade-off page)"
         self.page = tool_button("runs.page", "Open Report", about, self, self._open_page)
         bar = QtWidgets.QWidget(self)
         buttons = (self.add, self.stop, self.clear, self.folder, self.page)

@@ -126,7 +126,7 @@ BESIDE_ACTIONS = (
     ("Mouse", "Pan", "middle button", "Drag the canvas"),
     ("Mouse", "Zoom", "wheel", "Zoom at the pointer"),
     ("Mouse", "Add", "double-click", "Search for a module and add it there"),
-    ("Mouse", "Wire", "drag from a port", "On empty canvas: list the modules that fit"),
+    ("Mouse", "Wire", "drag from a port", "Dropped on empty canvas: list the modules that fit"),
     ("Mouse", "View", "Ctrl+Shift+click", "Show the node in viewer 1"),
     ("Mouse", "Insert", "drop a node on a wire", "Insert the node into the wire"),
     ("Mouse", "Bend a wire", "double-click on the wire",
