@@ -110,7 +110,7 @@ def _create_beside(target: Path) -> Path:
         # Not tempfile: its files are private (0600), ours follow the umask like any other.
         os.close(os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666))
     except FileNotFoundError as error:
-        why = "no files can be made in" if target.parent.is_dir() else "there is no folder"
+        why = "files cannot be created in" if target.parent.is_dir() else "there is no folder"
         raise FileError(f"cannot write {target}: {why} {target.parent}") from error
     except OSError as error:
         raise FileError(f"cannot write {target}: {_reason(error)}") from error

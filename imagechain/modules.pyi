@@ -467,10 +467,10 @@ def interpolate(
     Beyond the edges, a picture from Back Transform continues as Init & Trans defines: a mirrored
     frame is mirrored, and a periodic frame wraps round. Any other picture, or one cropped after
     Back Transform, continues with its outermost samples. Nothing is filtered: a smaller picture
-    aliases, as in a frame grabber. Order 0 takes the nearest sample (the later of two equally near
-    samples), order 1 is bilinear, and order 3 is cubic convolution. With an unchanged size, the
-    picture does not change. Sources: Tantalo 1996, sections 5.1 and 5.2 (bilinear); Keys 1981
-    (cubic, a = −1/2).
+    aliases, as in a frame grabber. Order 0 takes the nearest sample (of two equally near samples,
+    the one further right or down), order 1 is bilinear, and order 3 is cubic convolution. With an
+    unchanged size, the picture does not change. Sources: Tantalo 1996, sections 5.1 and 5.2
+    (bilinear); Keys 1981 (cubic, a = −1/2).
 
     Parameters
     ----------
@@ -1246,9 +1246,11 @@ def distortion(
     k4 : float | Expression
         radial coefficient of θ⁸: a number from -1e+06 to 1e+06; default 0.0
     p1 : float | Expression
-        tangential coefficient, mostly along y: a number from -1e+06 to 1e+06; default 0.0
+        tangential coefficient: shifts points mostly along y: a number from -1e+06 to 1e+06; default
+        0.0
     p2 : float | Expression
-        tangential coefficient, mostly along x: a number from -1e+06 to 1e+06; default 0.0
+        tangential coefficient: shifts points mostly along x: a number from -1e+06 to 1e+06; default
+        0.0
     centre_x_mrad : float | Expression
         offset of the optical axis to the right of the picture's middle [mrad]: a number from -10000
         to 10000; default 0.0
@@ -2032,11 +2034,11 @@ def tdi_mtf(
     m)·s·f)·sin(πNm·s·f)/(N·sin(πm·s·f)). Here, m is the image velocity divided by the charge
     velocity, minus 1; s is the pitch divided by `phases`, and N = stages·phases. With
     `line_rate_Hz`, m follows from the scene's velocity and range (Init & Trans, or Camera's orbit).
-    At a yaw ψ, the image velocity over the charge velocity is (1 + m)·cos ψ along and (1 + m)·sin ψ
-    across the stages. Use this module instead of Alongtrack MTF: the step s already includes the
-    smear within a stage. With `phases` = 0, the charge moves without steps. Empty parameters are
-    taken from Init & Trans. Source: Wong, Yao and Schlig 1992, IBM J. Res. Develop. 36; Holst and
-    Lomheim 2007, chapter 10.
+    At a yaw ψ, the ratio of image velocity to charge velocity is (1 + m)·cos ψ along the stages and
+    (1 + m)·sin ψ across them. Use this module instead of Alongtrack MTF: the step s already
+    includes the smear within a stage. With `phases` = 0, the charge moves without steps. Empty
+    parameters are taken from Init & Trans. Source: Wong, Yao and Schlig 1992, IBM J. Res. Develop.
+    36; Holst and Lomheim 2007, chapter 10.
 
     Parameters
     ----------
@@ -3322,7 +3324,7 @@ def figures_of_merit(
     Sources: Ratches et al. 1975, ECOM-7043; Ratches 1976, Opt. Eng. 15, 525; Scott and D'Agostino
     1992, Proc. SPIE 1689, 194 (FLIR92); Johnson 1958; Ratches, Vollmerhausen and Driggers 2001,
     IEEE Sensors J. 1, 31 (N50); Vollmerhausen, Jacobs and Driggers 2004, Opt. Eng. 43, 2806; Barten
-    1990 (eye). Their equation numbers could not be checked.
+    1990 (eye). Equation numbers are omitted, because they could not be checked.
 
     Parameters
     ----------

@@ -258,7 +258,7 @@ def with_frames(
         frames.sigma, frames.sigma_error, frames.gain_e_per_dn, frames.gain_error,
         frames.read_noise_dn, frames.read_noise_error, offset_dn, frames.mean_level, None, None,
         frames.step, frames.levels,
-        ("the noise figures are temporal noise, without fixed patterns",), missing,
+        ("the noise figures contain temporal noise only, no fixed-pattern noise",), missing,
     ), ""  # fmt: skip
 
 

@@ -93,7 +93,7 @@ def _reason(evaluation: Evaluation) -> str | None:
     if chain.final is None:
         return "the network has no final picture"
     if not chain.cascade:
-        return f"no chain of transfer functions ends in the final picture, {chain.final}"
+        return f"the final picture, {chain.final}, is not the end of a chain of transfer functions"
     if len(chain.sources) != 1:
         sources = ", ".join(chain.sources)
         return (

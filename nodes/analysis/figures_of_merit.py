@@ -88,7 +88,7 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
     Sources: Ratches et al. 1975, ECOM-7043; Ratches 1976, Opt. Eng. 15, 525; Scott and D'Agostino
     1992, Proc. SPIE 1689, 194 (FLIR92); Johnson 1958; Ratches, Vollmerhausen and Driggers 2001,
     IEEE Sensors J. 1, 31 (N50); Vollmerhausen, Jacobs and Driggers 2004, Opt. Eng. 43, 2806; Barten
-    1990 (eye). Their equation numbers could not be checked.
+    1990 (eye). Equation numbers are omitted, because they could not be checked.
     """
 
     formulas = (

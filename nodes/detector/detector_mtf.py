@@ -379,11 +379,11 @@ class TdiMTF(MtfModule, key="tdi_mtf", title="TDI MTF", group="Detector"):
     m)·s·f)·sin(πNm·s·f)/(N·sin(πm·s·f)). Here, m is the image velocity divided by the charge
     velocity, minus 1; s is the pitch divided by `phases`, and N = stages·phases. With
     `line_rate_Hz`, m follows from the scene's velocity and range (Init & Trans, or Camera's orbit).
-    At a yaw ψ, the image velocity over the charge velocity is (1 + m)·cos ψ along and (1 + m)·sin ψ
-    across the stages. Use this module instead of Alongtrack MTF: the step s already includes the
-    smear within a stage. With `phases` = 0, the charge moves without steps. Empty parameters are
-    taken from Init & Trans. Source: Wong, Yao and Schlig 1992, IBM J. Res. Develop. 36; Holst and
-    Lomheim 2007, chapter 10.
+    At a yaw ψ, the ratio of image velocity to charge velocity is (1 + m)·cos ψ along the stages and
+    (1 + m)·sin ψ across them. Use this module instead of Alongtrack MTF: the step s already
+    includes the smear within a stage. With `phases` = 0, the charge moves without steps. Empty
+    parameters are taken from Init & Trans. Source: Wong, Yao and Schlig 1992, IBM J. Res. Develop.
+    36; Holst and Lomheim 2007, chapter 10.
     """
 
     formulas = (

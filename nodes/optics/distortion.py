@@ -69,8 +69,8 @@ class Distortion(Module, key="distortion", title="Distortion", group="Optics"):
     k2: float = param(0.0, "radial coefficient of r⁴ or θ⁴", **_K)
     k3: float = param(0.0, "radial coefficient of r⁶ or θ⁶", **_K)
     k4: float = param(0.0, "radial coefficient of θ⁸", **_K)
-    p1: float = param(0.0, "tangential coefficient, mostly along y", **_K)
-    p2: float = param(0.0, "tangential coefficient, mostly along x", **_K)
+    p1: float = param(0.0, "tangential coefficient: shifts points mostly along y", **_K)
+    p2: float = param(0.0, "tangential coefficient: shifts points mostly along x", **_K)
     centre_x_mrad: float = param(
         0.0,
         "offset of the optical axis to the right of the picture's middle",

@@ -44,10 +44,10 @@ class Interpolate(Module, key="interpolate", title="Interpolate", group="Transfo
     Beyond the edges, a picture from Back Transform continues as Init & Trans defines: a mirrored
     frame is mirrored, and a periodic frame wraps round. Any other picture, or one cropped after
     Back Transform, continues with its outermost samples. Nothing is filtered: a smaller picture
-    aliases, as in a frame grabber. Order 0 takes the nearest sample (the later of two equally near
-    samples), order 1 is bilinear, and order 3 is cubic convolution. With an unchanged size, the
-    picture does not change. Sources: Tantalo 1996, sections 5.1 and 5.2 (bilinear); Keys 1981
-    (cubic, a = −1/2).
+    aliases, as in a frame grabber. Order 0 takes the nearest sample (of two equally near samples,
+    the one further right or down), order 1 is bilinear, and order 3 is cubic convolution. With an
+    unchanged size, the picture does not change. Sources: Tantalo 1996, sections 5.1 and 5.2
+    (bilinear); Keys 1981 (cubic, a = −1/2).
     """
 
     formulas = (

@@ -131,7 +131,7 @@ def test_refuses_what_is_no_file(tmp_path):
         str(tmp_path): "path is a folder",
         f"{tmp_path}/new/": "names a folder",
         str(tmp_path / "none" / "a.txt"): "there is no folder",
-        "/proc/a.txt": "no files can be made in /proc",
+        "/proc/a.txt": "files cannot be created in /proc",
         str(tmp_path / "pipe"): "not a regular file",
         "a\0b": "null character",
         str(tmp_path / "pipe" / "a"): "Not a directory",

@@ -30,4 +30,4 @@ def test_a_window_worked_by_real_keys(seen):
     # Save As into /proc, where some files give nothing to a reader for ever, says one line.
     for said, place in zip(seen["proc"], ("", "/mine.json"), strict=True):
         assert said.startswith(f"not saved: cannot write /proc{place}")
-        assert "no files can be made in /proc" in said
+        assert "files cannot be created in /proc" in said
