@@ -289,7 +289,8 @@ def _paint_output_mark(painter: QPainter, item: NodeItem, *, with_text: bool) ->
     painter.setBrush(style.port(("image",)))
     if not with_text:
         side = min(frame.height() / 4, frame.width() / 8)
-        corner = frame.bottomRight()
+        out = min(side / 2, _MARGIN - 1)  # half beside the frame, clear of the name
+        corner = frame.bottomRight() + QPointF(out, out)
         painter.drawPolygon(
             [corner, QPointF(corner.x() - side, corner.y()), QPointF(corner.x(), corner.y() - side)]
         )
