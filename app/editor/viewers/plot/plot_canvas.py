@@ -335,7 +335,7 @@ class CurvePlot(pg.PlotItem):  # type: ignore[misc]
                 "rotateAxis": (1, 0),
                 "anchors": [(end, 1), (end, 1)],
                 "color": self._theme.text,
-                "fill": plot_looks.see_through(self._theme.base, 190),
+                "fill": plot_looks.see_through(self._theme.base, 235),
             },
         )
         line.label.setFont(self._font)
