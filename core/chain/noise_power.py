@@ -16,8 +16,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from core import kernels
+from core import kernels, machine
 from core.arrays import Array, Matrix, Vector
+from core.errors import DataError
 from core.evaluation.work import Work
 from core.physics.noise.noise_components import Moments
 from core.records import dataclass, replace
@@ -164,6 +165,7 @@ class NoisePower:
     def _filtered(self, axis: int, response: Array) -> NoisePower:
         size, matrix = len(response), self._matrix(axis)
         if self.axes == "reflect" and np.iscomplexobj(response):
+            _refuse_dense(size)
             made = np.eye(size) if matrix is None else matrix
             return self._with(axis, size, _cosines_of(_behind(made, response)))
         if self.axes == "periodic" and size % 2 == 0:
@@ -215,6 +217,18 @@ class NoisePower:
         if axis == 0:
             return replace(self, rows=size, along=matrix, variances=None)
         return replace(self, columns=size, across=matrix, variances=None)
+
+
+def _refuse_dense(size: int) -> None:
+    """Waves that a phase mixes need a matrix, which memory has to hold five times."""
+    needed, usable = 40 * size**2, machine.usable_bytes()
+    if usable is not None and needed > usable // 2:
+        raise DataError(
+            f"the noise of {size} samples in a row or column, mixed by a phase at mirrored edges, "
+            f"needs {machine.amount_text(needed)} of memory, but at most "
+            f"{machine.amount_text(usable // 2)} may be used. Use a smaller picture, or edges = "
+            "periodic on Init & Trans"
+        )
 
 
 def _samples_of(amplitudes: Array, axes: Edges) -> Array:

@@ -4,10 +4,12 @@ import numpy as np
 import pytest
 import scipy.fft
 
+from core import machine
 from core.chain.back_transformed import back_transform, combine_pixels
 from core.chain.engine import Engine
 from core.chain.noise_power import NoisePower, spectrum_of
 from core.chain.wires import Image, Magnitude, Phase
+from core.errors import DataError
 from core.evaluation.recipes import Step
 from core.evaluation.work import Policy
 from core.physics.detector.detector_mtf import charge_transfer_mtf, charge_transfer_ptf
@@ -113,6 +115,14 @@ def test_by_a_law_that_mixes_the_axes(work, factors):
     filtered = NoisePower.white(ROWS, COLUMNS, 1.0).filtered(work, chain, GRID, "periodic")
     power = filtered.averaged(x, y)
     assert told(power) == pytest.approx(list(expected), rel=1e-11)
+
+
+def test_a_matrix_that_memory_cannot_hold_is_refused(work, monkeypatch):
+    monkeypatch.setattr(machine, "usable_bytes", lambda: 2 * 40 * COLUMNS**2 - 2)
+    power = NoisePower.white(ROWS, COLUMNS, 1.0)
+    power.filtered(work, BLUR, GRID, "reflect")
+    with pytest.raises(DataError, match=f"the noise of {COLUMNS} samples in a row or column"):
+        power.filtered(work, ODD, GRID, "reflect")
 
 
 def test_samples_of_different_variances(work):
