@@ -3,6 +3,7 @@
 import heapq
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from functools import cached_property
+from numbers import Integral
 from types import MappingProxyType
 from typing import Any
 
@@ -238,7 +239,8 @@ class Network(_Frozen):
         return changed
 
     def with_seed(self, seed: int) -> "Network":
-        return replace(self, seed=seed)
+        whole = isinstance(seed, Integral) and not isinstance(seed, bool)
+        return replace(self, seed=int(seed) if whole else seed)  # one of NumPy's, too
 
 
 def passed_through(declared: Declaration) -> dict[str, str]:

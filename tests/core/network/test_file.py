@@ -6,6 +6,7 @@ import threading
 from dataclasses import replace
 from typing import ClassVar
 
+import numpy as np
 import pytest
 
 from child_process import PATIENCE_S
@@ -278,6 +279,10 @@ def test_reading_a_long_file_from_a_small_stack(small_library):
 @pytest.fixture
 def network(document, small_library):
     return parse_network(json.dumps(document), library=small_library)
+
+
+def test_a_seed_of_numpy_is_a_seed():
+    assert type(Network().with_seed(np.int64(3)).seed) is int
 
 
 @pytest.mark.parametrize("seed", [-1, 2**63, 1.0, True, None, "1"])
