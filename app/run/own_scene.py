@@ -1,7 +1,8 @@
 """A picture of one's own in the place of a network's scene: an edit from network to network."""
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
+from numbers import Real
 from pathlib import Path
 from typing import Any
 
@@ -51,6 +52,23 @@ class OwnScene:
     unit: str = ""  # of radiance, a temperature, a reflectance, or `RELATIVE`
     option: str = ""  # what stands before the names of these in messages
     hints: bool = True  # whether the lines name what says otherwise
+
+    def plain(self) -> "OwnScene":
+        """With Python's own numbers, whatever a script gives."""
+        made: dict[str, Any] = {}
+        for name, count in (("range_m", 1), ("sample_m", 1), ("fov_deg", 2), ("band_um", 2)):
+            given = getattr(self, name)
+            several = isinstance(given, Sequence | np.ndarray)
+            values = list(given) if several and count > 1 else [given]
+            if given is None:
+                continue
+            if len(values) != count or not all(isinstance(each, Real) for each in values):
+                what = "a number" if count == 1 else "two numbers"
+                raise UsageError(f"{name} = {given!r:.60} is not allowed: must be {what}")
+            made[name] = float(given) if count == 1 else tuple(map(float, values))
+        if not isinstance(self.unit, str):
+            raise UsageError(f"unit = {self.unit!r:.60} is not allowed: must be text")
+        return replace(self, **made)
 
     def check(self) -> None:
         allowed = "above 0° and below 180°"
@@ -110,6 +128,7 @@ def with_own_scene(
 
     `stored` is the file's name in the network. An `engine` keeps the range of the original scene.
     """
+    own = own.plain()
     own.check()
     name = _chosen(network, library, node, own.option)
     return _Replacing(network, own, name, plan, engine or Engine(library)).done(stored)

@@ -1,6 +1,7 @@
 """A chain that is planned once and then makes a picture of each new frame of its scene."""
 
 import itertools
+import math
 import threading
 from collections.abc import Mapping, Sequence
 from numbers import Integral
@@ -17,6 +18,7 @@ from core.chain.random_fields import at_frame
 from core.chain.wires import Image
 from core.errors import DataError, NetworkError, ParameterError, UsageError, placed
 from core.evaluation.work import Policy, Work
+from core.machine import usable_bytes
 from core.network.linked_values import with_values
 from core.records import replace
 from imagechain.building.chain_state import ChainState, planned_scene
@@ -26,6 +28,9 @@ from nodes.input_output.source_file import HeldSamples
 from nodes.library import standard_library
 
 Array = NDArray[Any]
+_TOO_LARGE = (
+    "size = {}: the pictures are too large for memory; use Chain.run, which computes them in blocks"
+)
 
 
 class Camera:
@@ -49,6 +54,9 @@ class Camera:
         planner = Engine(standard_library()) if engine is None else engine
         self._policy, self._size, self._unit = policy, _checked_size(size), scene.get("unit", "")
         words = {name: value for name, value in scene.items() if name != "node"}
+        usable = usable_bytes()
+        if usable is not None and 4 * math.prod(self._size) > usable:
+            raise UsageError(_TOO_LARGE.format(size))
         own = OwnScene(np.zeros(self._size, np.float32), **words)
         how: Any = {"library": planner.library, "plan": state.plan(planner), "engine": planner}
         replaced = with_own_scene(state.network, own, node=scene.get("node"), **how)
@@ -71,10 +79,7 @@ class Camera:
         self._plan = self._engine.plan(self._network, folder=plan.folder, held=self._held)
         refuse_faults(self._plan)
         if way_of_running(self._plan, policy, None).in_blocks:
-            raise UsageError(
-                f"size = {size}: the pictures are too large for memory; use Chain.run, which "
-                "computes them in blocks"
-            )
+            raise UsageError(_TOO_LARGE.format(size))
         self._asked: set[str] = set()
         self._count, self._lock = itertools.count(), threading.Lock()
 

@@ -121,6 +121,11 @@ def test_what_a_camera_refuses():
         (lambda: camera(bad), "the frame: 1 sample is not finite"),
         (lambda: camera(good, seed=-1), "seed = -1 is not allowed"),
         (lambda: chain.camera(20), "size = 20 is not allowed: must be two whole numbers"),
+        (lambda: chain.camera((10**6, 10**6)), "size = (1000000, 1000000): the pictures are too"),
+        (lambda: chain.camera((20, 24), fov_deg=5), "fov_deg = 5 is not allowed: must be two"),
+        (lambda: chain.camera((20, 24), band_um=(3,)), "band_um = (3,) is not allowed: must be"),
+        (lambda: chain.camera((20, 24), range_m="5"), "range_m = '5' is not allowed: must be a n"),
+        (lambda: chain.camera((20, 24), unit=None), "unit = None is not allowed: must be text"),
         (lambda: chain.camera((20, 24), outputs=[]), "outputs = [] is not allowed"),
         (lambda: chain.camera((20, 24), outputs="no.image"), "the network has no node 'no'"),
     )
