@@ -70,6 +70,8 @@ _NAMES: Mapping[str, str] = MappingProxyType(
         "reference_K": "Reference background",
         "reference_f_number": "Reference F number",
         "bad_pixel_percent": "Bad pixels",
+        "dark_current_A_per_cm2": "Dark current density",
+        "gain_dB": "Gain setting",
         "quantum_efficiency_percent": "QE in per cent",
         "cut_on_um": "Cut-on",
         "cut_off_um": "Cut-off",

@@ -2,6 +2,8 @@
 
 from app.editor.declared_text import error_text, label_of
 from core.errors import DataError, ParameterError
+from core.modules.declaration import declaration
+from nodes.library import standard_library
 
 ERROR = ParameterError("sigma_y_mrad", -1.0, "at least 0", unit="mrad", node="my blur")
 SEVERAL = ParameterError(
@@ -22,9 +24,15 @@ def test_the_panels_label_and_the_nodes_name():
         assert error_text(error, on_node=on_node) == text
     for name, label in (
         ("responsivity_A_per_W", "Responsivity"),
-        ("dark_current_A_per_cm2", "Dark current"),
+        ("dark_current_A_per_cm2", "Dark current density"),
         ("emva_dynamic_range_dB", "EMVA dynamic range"),
         ("k3", "k₃"),
         ("l_mrad", "l"),
     ):
         assert label_of(name) == label
+
+
+def test_no_two_parameters_of_a_module_have_one_label():
+    for key, module in standard_library().items():
+        names = [label_of(one.name) for one in declaration(module).parameters]
+        assert len(set(names)) == len(names), key
