@@ -43,13 +43,16 @@ def main(argv: Sequence[str] | None = None) -> int:
     # whole process then takes 1.6 times the processor time). Read when numpy is first imported.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     # Importing makes some 90,000 objects that all stay; Python's usual threshold (700) looks them
-    # through time and again for garbage, a tenth of a short command's processor time. Only where
-    # the process is the command's own: another program has thresholds of its own.
+    # through time and again for garbage, and once more at the end: a tenth of a short command's
+    # processor time. Only where the process is the command's own: another program has its own ways.
     if argv is None:
-        gc.set_threshold(50_000, 10, 10)
+        gc.set_threshold(200_000, 10, 10)
     with stoppable(to_the_end=argv is None) as stop, usable_streams(), warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        return exit_code(stop, _carry_out, words, stop, debug=words != given)
+        code = exit_code(stop, _carry_out, words, stop, debug=words != given)
+    if argv is None:
+        gc.disable()
+    return code
 
 
 def exit_code(

@@ -414,7 +414,7 @@ def layers_of(drawing: Drawing, canvas: Canvas) -> Layers:
         places.append(numbers[which])
         counts.append(np.diff(first))
         _add_sums(sums, planes, names, canvas.height, canvas.dtype)
-    ends = np.append(0, np.cumsum(np.concatenate(counts))).astype(np.int32)
+    ends = np.cumsum(np.concatenate([np.zeros(1, np.int32), *counts]), dtype=np.int32)
     shape, both = (canvas.height, canvas.width), (np.concatenate(shares), np.concatenate(places))
     means = sums / (canvas.width * canvas.height)
     return Layers(shape, names, drawing.textures, means, *both, ends)
