@@ -4,7 +4,6 @@ import math
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import erf
 
 from app.bench.tables import Table, judged
@@ -14,11 +13,11 @@ from app.fit.fit_result import FitResult
 from app.fit.picture_fit import fit_pictures
 from app.measure.measuring import measure_pictures
 from app.measure.picture_measurement import PictureFile, PictureMeasurement
+from core.arrays import Floats
 from core.chain.engine import Engine
 from core.evaluation.work import Policy
 from nodes.library import standard_library
 
-Array = NDArray[np.float64]
 TIMES = {"seconds": "s", "low": "minimum", "high": "maximum", "reach": "limit, s", "verdict": ""}
 SMALL, LARGE, SMALLEST = (480, 640), (4096, 4096), (128, 128)
 REACH_S = {SMALL: 1.0, LARGE: 15.0}
@@ -73,7 +72,7 @@ def fitting(settings: Settings) -> list[Table]:
     return [Table("fit", "Fitting a network to a picture", heads, rows, text)]
 
 
-def chart(shape: tuple[int, int], across: int) -> Array:
+def chart(shape: tuple[int, int], across: int) -> Floats:
     """Turned squares in rows, their edges Gaussian of 0.8 samples, with white noise."""
     rows, columns = shape
     step = columns / across
@@ -90,15 +89,15 @@ def chart(shape: tuple[int, int], across: int) -> Array:
     return picture
 
 
-def _step(away: Array) -> Array:
+def _step(away: Floats) -> Floats:
     return np.asarray((1.0 + erf(away / (np.sqrt(2.0) * BLUR))) / 2.0, np.float64)
 
 
-def _measured(picture: Array) -> PictureMeasurement:
+def _measured(picture: Floats) -> PictureMeasurement:
     return measure_pictures([PictureFile.of("chart", [picture])])
 
 
-def _fitted(picture: Array, names: tuple[str, ...]) -> FitResult:
+def _fitted(picture: Floats, names: tuple[str, ...]) -> FitResult:
     library = standard_library()
     field_deg = 2.0 * math.degrees(math.atan(64 * INTERVAL_MRAD / 2000.0))
     scene = {"width": 64, "height": 64, "fov_x_deg": field_deg, "fov_y_deg": field_deg}

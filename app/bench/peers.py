@@ -14,18 +14,17 @@ from types import ModuleType
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from app.bench.tables import T0_HEADS, Chart, Table
 from app.bench.timing import Chain, Settings, paired, round_trip, seconds, sensor_network
 from app.bench.truth import Sensor
 from app.run.terminal import version
+from core.arrays import Array
 from core.evaluation.work import Policy, Precision
 from core.records import dataclass
 from core.transfer.factors import Edges, Planar
 from core.transfer.planar_blocks import Known, RadialTable
 
-Array = NDArray[Any]
 Deliver = Callable[[Array], Array]
 GONE = "pkg_resources"
 RANGE_M = 1000.0

@@ -7,10 +7,10 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from app.bench import timing, truth
 from app.bench.tables import T0_HEADS, Chart, Table, figure_text
+from core.arrays import Array
 from core.chain.back_transformed import Delivered
 from core.chain.random_fields import Stream, normal_field, poisson_field
 from core.evaluation.work import Policy, Precision
@@ -20,7 +20,6 @@ from core.physics.detector.detector_mtf import MODELS, charge_transfer_mtf, char
 from core.transfer.factors import Grid, Planar, Product
 from core.transfer.planar_blocks import Planes
 
-Array = NDArray[Any]
 Row = dict[str, Any]
 PRECISIONS: tuple[Precision, ...] = ("single", "double")
 ARRAY_MM, RADIUS_MM, WAVELENGTH_UM = 128.0, 45.0, 4.0

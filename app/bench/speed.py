@@ -8,14 +8,13 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from app.bench import timing
 from app.bench.tables import Chart, Table, judged
 from app.run.terminal import command
+from core.arrays import Array
 from core.errors import several
 
-Array = NDArray[Any]
 Subject = tuple[str, Callable[[], float], float | None, float | None]
 TARGETS = {"reach": "limit", "aim": "target", "verdict": ""}
 HEADS = {

@@ -12,10 +12,10 @@ from typing import Any
 
 import scipy
 import scipy.fft
-from numpy.typing import NDArray
 
 from app.run import terminal
 from app.run.shipped import find_network
+from core.arrays import Array
 from core.chain.engine import Engine, Plan
 from core.errors import UsageError
 from core.evaluation.recipes import Store
@@ -27,7 +27,6 @@ from core.records import dataclass
 from core.transfer.periodic import backend
 from nodes.library import standard_library
 
-Array = NDArray[Any]
 Seconds = Callable[[], float]
 SIZE, LARGEST = 1024, 8192
 # Every block a measurement frees would else go back to the system, and its pages be faulted in

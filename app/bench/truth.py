@@ -6,11 +6,10 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from core.arrays import Array
 from core.records import dataclass
 
-Array = NDArray[Any]
 NEEDS_MPMATH = (
     "not measured: the reference values need mpmath, which is not installed (extra `peers`)"
 )

@@ -12,13 +12,12 @@ from numpy.typing import NDArray
 
 from app.fit import chain_transfer
 from app.fit.edge_fit import MARGIN, EdgeFits, EdgesAt, Patch, SpreadTable, period_for, reaching_in
+from core.arrays import Matrix, Vector
 from core.errors import FAULTS, DataError
 from core.evaluation.work import Work
 from core.kernels import special
 from core.records import dataclass
 
-Vector = NDArray[np.float64]
-Matrix = NDArray[np.float64]
 Watch = Callable[[tuple[Patch, ...], EdgesAt], None]
 
 _THIN, _THIN_EDGES = 200, 8  # samples of an edge, and edges, while a start is sought

@@ -13,6 +13,7 @@ from app.run.option_values import Assignment, assignment, low_high
 from app.run.overrides import behind, named_parameter
 from app.run.transfer_chain import HOW_TO_MARK, HOW_TO_NAME, find_chain, find_output
 from core import kernels
+from core.arrays import Complex, Vector
 from core.chain.engine import Engine, Plan, PlannedNode
 from core.chain.step_lineage import PlaceDependent, lineage_of, source_step
 from core.chain.wires import Image
@@ -147,7 +148,6 @@ def _range(declared: Parameter, text: str, option: str) -> tuple[float, float]:
 
 # Where the fit begins: places over the whole range of each free parameter, the best of them.
 
-Vector = NDArray[np.float64]
 Cost = Callable[[Vector], float]
 
 _PLACES = 13
@@ -271,7 +271,6 @@ def inner(parameter: FreeParameter) -> tuple[float, ...]:
 # The edge takes the place of the source, and no samples blur it. Where pixels are combined from the
 # source's samples, or nothing averages over an area, the samples' area is the pixel's.
 
-Complex = NDArray[np.complex128]
 
 _BLOCKS = ((0, 1), (1, 2), (2, 4), (4, 8), (8, HIGHEST))  # cycles per sample
 _NOTHING = 1e-6  # of an edge's step: waves that carry less are left out

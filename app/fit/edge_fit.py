@@ -11,12 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core import kernels
+from core.arrays import Complex, Index, Matrix, Vector
 from core.physics.measurement.found_edge import FoundEdge, edge_samples
 from core.records import dataclass, replace
-
-Vector = NDArray[np.float64]
-Matrix = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 # The samples about one edge, as the fit takes them, and the part of the picture about it.
 
@@ -42,8 +39,6 @@ def window_about(*, picture: Matrix, edge: FoundEdge) -> tuple[Matrix, int, int]
     return np.asarray(picture[np.ix_(rows, columns)], np.float64), first[0], first[1]
 
 
-Indices = NDArray[np.intp]
-
 _NARROW, _WIDTHS = 5.0, 2.5  # samples, and widths of the step: the fit's reach on both sides
 _LEAST_REACH = 8.0  # samples
 _ENDS, _END_SHARE = 6.0, 0.15  # samples, or of the length: what is left off where corners round it
@@ -60,8 +55,8 @@ class Patch:
     distance: Vector  # of each sample: along the edge's normal, along the edge, its value
     along: Vector
     value: Vector
-    column: Indices  # where each sample is in its picture
-    row: Indices
+    column: Index  # where each sample is in its picture
+    row: Index
     window: Matrix  # the picture about the edge, and the row and column of its first sample
     top: int
     left: int
@@ -133,7 +128,7 @@ def curvature(edge: FoundEdge) -> float:
     return edge.bend / (edge.length / 2.0) ** 2
 
 
-def _places(edge: FoundEdge, distance: Vector, along: Vector) -> tuple[Indices, Indices]:
+def _places(edge: FoundEdge, distance: Vector, along: Vector) -> tuple[Index, Index]:
     """Columns and rows of the samples, from where they lie about the edge."""
     across, down = edge.normal
     off = distance + curvature(edge) * along**2

@@ -5,13 +5,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from app.fit.fit_result import FitResult, NoiseComparison
 from app.measure.measurement_text import with_error
 from app.report import html_page as html
 from app.report.drawing.picture_drawing import COLOURS, figure, number, short
 from app.run.terminal import columns, number_text
+from core.arrays import Vector
 from core.errors import in_line, several
 
 _CHI2 = "χ² per degree".replace(" ", "\N{NO-BREAK SPACE}")
@@ -130,8 +130,6 @@ def _noise(result: FitResult) -> str:
 
 # Figures of a fit: real and simulated patches, edges overlaid, residuals, noise over the level.
 
-Matrix = NDArray[np.float64]
-Vector = NDArray[np.float64]
 
 MOST = 6  # edges that are drawn
 _BIN = 0.25  # samples

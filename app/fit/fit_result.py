@@ -4,15 +4,12 @@ import math
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from app.fit.chain_fit import ChainFit, scales_of
 from app.fit.chain_transfer import places
+from core.arrays import Matrix, Vector
 from core.physics.measurement.sample_noise import LevelVariance
 from core.records import dataclass
-
-Vector = NDArray[np.float64]
-Matrix = NDArray[np.float64]
 
 # Which parameters the edges determine, and which combination of those that they do not.
 #

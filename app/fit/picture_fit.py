@@ -5,7 +5,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from app.fit import chain_transfer
 from app.fit.chain_fit import EdgeProblem, Watch, fit_chain
@@ -22,6 +21,7 @@ from app.measure.picture_measurement import (
     picture_name,
 )
 from app.tradeoff.tradeoff_results import with_value
+from core.arrays import Matrix
 from core.chain.engine import Engine, Plan
 from core.chain.wires import Image
 from core.errors import FAULTS, DataError, several
@@ -31,8 +31,6 @@ from core.physics.measurement.found_edge import missing_samples
 from core.physics.measurement.picture_noise import noise_of_picture
 from core.physics.measurement.sample_noise import LevelVariance
 from core.records import replace
-
-Matrix = NDArray[np.float64]
 
 _MOST_LEVELS = 24
 _SAME_SIZE = 0.02  # of a sample's size, within which two are the same

@@ -7,13 +7,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 import networks
 from app.report.drawing.curves import draw_on
 from app.report.drawing.picture_drawing import figure, number, short
 from app.run.saving import encode_png, grey_levels, robust_limits
 from app.run.shipped import published_networks
+from core.arrays import Array
 from core.chain.engine import Engine, Plan
 from core.chain.wires import Curve, CurveData, Image, Pupil, Series, Transfer
 from core.errors import ImagechainError, in_line, thaw
@@ -28,8 +28,6 @@ _ALIKE = 2e-3
 _MOST_CURVES = 3
 _LARGEST = 640  # samples; of a larger picture the means of blocks are shown
 _LARGE = 240  # samples; a smaller picture is shown by larger squares
-
-Samples = NDArray[Any]
 
 
 def example_of(declared: Declaration, engine: Engine) -> dict[str, Any]:
@@ -104,7 +102,7 @@ def _before_and_after(plan: Plan, engine: Engine, work: Work) -> list[str]:
     return drawings
 
 
-def picture(samples: Samples, caption: str, limits: tuple[float, float] | None = None) -> str:
+def picture(samples: Array, caption: str, limits: tuple[float, float] | None = None) -> str:
     """A picture in grey as a piece of a page."""
     low, high = limits or robust_limits(samples)
     samples = _means(samples, -(-max(samples.shape) // _LARGEST))
@@ -124,7 +122,7 @@ def png_figure(content: bytes, caption: str, kind: str, size: str = "") -> str:
     )
 
 
-def _transfer(value: Transfer, samples: Samples) -> str:
+def _transfer(value: Transfer, samples: Array) -> str:
     """A transfer function across and along; nothing of a phase that is 0."""
     if np.iscomplexobj(samples):
         samples = np.abs(samples)
@@ -146,7 +144,7 @@ def _transfer(value: Transfer, samples: Samples) -> str:
     return curves(CurveData(title, "cycles/mrad", title + unit, tuple(series)), title)
 
 
-def _means(samples: Samples, size: int) -> Samples:
+def _means(samples: Array, size: int) -> Array:
     """Means of blocks; rows and columns left over are dropped."""
     if size < 2:
         return samples

@@ -6,17 +6,16 @@ from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from app.measure import picture_measurement as results
 from app.measure.measurement_text import exceeds_one, in_words
+from core.arrays import Matrix
 from core.errors import DataError, ParameterError
 from core.physics.measurement import edge_mtf, edge_search, found_edge, picture_noise
 from core.physics.sampling.detector_sampling import interval_mrad
 from core.records import replace
 from nodes.files.frames import open_frames
 
-Matrix = NDArray[np.float64]
 Report = Callable[[str], None]
 _INTERPOLATED = "The MTF includes the interpolation, and the noise is not measured"
 _LEAST = 16  # rows and columns, below which nothing is measured

@@ -7,6 +7,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from core.arrays import Matrix
 from core.errors import DataError, UsageError
 from core.physics.measurement import edge_mtf, found_edge, picture_noise, sample_noise
 from core.physics.sampling.detector_sampling import interval_mrad
@@ -132,8 +133,6 @@ def file_of(files: "Sequence[PictureFile]", number: int) -> "tuple[PictureFile, 
         number -= file.frames
     raise IndexError(number)
 
-
-Matrix = NDArray[np.float64]
 
 NO_DATA = "replace these samples with one number, such as 0; constant areas are not measured"
 _COLOURS = ("R", "G", "B")

@@ -10,11 +10,11 @@ from itertools import product
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from app.report import html_page as html
 from app.report.drawing.picture_drawing import COLOURS, figure, named, short
 from app.run.evaluation import Evaluation
+from core.arrays import Array, Vector
 from core.chain.random_fields import Remaking
 from core.chain.step_lineage import Axis, Linear, PlaceDependent, lineage_of, source_step
 from core.chain.wires import Image
@@ -32,8 +32,6 @@ from nodes.scenes.draw import draw_target
 from nodes.scenes.scene_canvas import Canvas
 
 Fact = dict[str, Any]
-Array = NDArray[Any]
-Vector = NDArray[np.float64]
 Direction = Literal["horizontal", "vertical"]
 Method = Literal["slanted_edge", "row_average"]
 

@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from app.run import transfer_chain
 from app.run.terminal import four_digits, number_text, sized, without_rounding
+from core.arrays import Array
 from core.chain.engine import Engine, Plan, asked_for, least_scratch, realize
 from core.chain.wires import Curve, Image, Magnitude, Phase, SpectrumWire, Table, Transfer
 from core.errors import DataError, FileError, ImagechainError, UsageError, placed, several
@@ -170,7 +170,6 @@ def _evaluate_output(plan: Plan, port: str, work: Work) -> None:
 
 # Whether a run holds its pictures in memory or makes them in blocks, on disk: a choice by size.
 
-Array = NDArray[Any]
 STREAMED = (NPY, TIFF, ENVI_FRAMES, ZARR)
 """Formats that are written row after row, or chunk after chunk."""
 _PREVIEW_PX = 2048

@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from app.run.transfer_chain import delivering
+from core.arrays import Array
 from core.chain.engine import Engine, Plan
 from core.chain.wires import Image
 from core.editing.operations import fresh_name
@@ -36,7 +36,6 @@ _KNOWN = (
     "a unit of radiance (W/m²/sr, uW/cm^2/sr/um, …), a temperature (K, C, F, mK), "
     f"reflectance, %, or {RELATIVE} (scaled to the range of the original scene)"
 )
-Array = NDArray[Any]
 Pair = tuple[float, float]
 
 

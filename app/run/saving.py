@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from app.run.option_values import Save
 from core import atomic, errors, machine
+from core.arrays import Array
 from core.chain import engine, random_fields
 from core.chain.wires import Context, Curve, CurveData, Image, Table, TableData
 from core.evaluation.recipes import Region, number_bits
@@ -23,7 +24,6 @@ from nodes.files import frames as frame_files
 from nodes.files.file_format import CSV, ENVI_FRAMES, ZARR, Format, suffixes
 from nodes.input_output import write_image
 
-Array = NDArray[Any]
 _TABLES = (CSV,)
 _CURVES = (CSV, *(file_format for file_format in formats.WRITTEN if file_format.stores_floats))
 

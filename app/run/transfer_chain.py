@@ -5,8 +5,8 @@ from collections.abc import Collection, Iterable, Iterator
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from core.arrays import Vector
 from core.chain import back_transformed, step_lineage
 from core.chain.engine import Plan, PlannedNode
 from core.chain.wires import Image, Transfer
@@ -388,7 +388,6 @@ def _unconnected(plan: Plan, output: Output, sources: tuple[str, ...]) -> Chain:
 
 # Transfer functions along the two axes: what mtf.csv and the reports show.
 
-Vector = NDArray[np.float64]
 Axis = Literal["x", "y"]
 TOTAL = "total"
 SYSTEM = "total_with_electronics"

@@ -5,7 +5,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from core.arrays import Array
+from core.arrays import Array, Vector
 from core.chain import step_lineage
 from core.chain.band_stack import (
     BandStack,
@@ -471,9 +471,7 @@ class Delivery(step_lineage.Linear):
     def noise(self, work: Work, power: NoisePower) -> NoisePower:
         return self._pixels.noise(work, self._filtering.noise(work, power))
 
-    def row(
-        self, work: Work, row: step_lineage.Vector, axis: step_lineage.Axis
-    ) -> step_lineage.Vector:
+    def row(self, work: Work, row: Vector, axis: step_lineage.Axis) -> Vector:
         return self._pixels.row(work, self._filtering.row(work, row, axis), axis)
 
     def _ratios(self, grid: Grid) -> tuple[float, float] | None:

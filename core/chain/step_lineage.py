@@ -32,9 +32,9 @@ from inspect import Parameter, signature
 from typing import Any, Literal, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from core import kernels
+from core.arrays import Array, Vector
 from core.chain.noise_power import NoisePower
 from core.evaluation.recipes import Recipe, Step, marked
 from core.evaluation.work import Work
@@ -53,8 +53,6 @@ from core.transfer.periodic import sampled_columns
 # `Linear` leaves all as it is. A step whose change is none of those below derives a class of its
 # own beside its function, and overrides what it changes.
 
-Array = NDArray[Any]
-Vector = NDArray[np.float64]
 Axis = Literal["x", "y"]
 
 

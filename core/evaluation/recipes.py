@@ -21,13 +21,11 @@ from typing import Any, TypeVar
 from weakref import WeakValueDictionary
 
 import numpy as np
-from numpy.typing import NDArray
 
+from core.arrays import Array
 from core.errors import ParameterError
 from core.machine import is_on_disk, store_bytes
 from core.records import dataclass, field, fields, is_dataclass
-
-Array = NDArray[Any]
 
 
 @dataclass(frozen=True)

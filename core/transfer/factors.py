@@ -14,8 +14,8 @@ from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from core.arrays import Array, Vector
 from core.errors import watched
 from core.evaluation.recipes import Recipe, content_key
 from core.evaluation.work import Work
@@ -26,8 +26,6 @@ from core.physics.sampling.detector_sampling import (
 from core.records import dataclass, field, replace
 
 Part = Literal["mtf", "ptf"]
-Array = NDArray[Any]
-Vector = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

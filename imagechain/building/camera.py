@@ -8,7 +8,6 @@ from numbers import Integral
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from app.run.evaluation import refuse_faults, way_of_running
 from app.run.own_scene import EIGHT_BITS, OwnScene, fitted, grey, sample_ends, with_own_scene
@@ -27,7 +26,6 @@ from nodes.files.formats import check_finite
 from nodes.input_output.source_file import HeldSamples
 from nodes.library import standard_library
 
-Array = NDArray[Any]
 _TOO_LARGE = (
     "size = {}: the pictures are too large for memory; use Chain.run, which computes them in blocks"
 )

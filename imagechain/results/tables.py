@@ -16,6 +16,7 @@ from app.run.evaluation import Evaluation, block_means
 from app.run.saving import encode_png, grey_levels, metadata_of, robust_limits, save_array
 from app.run.terminal import columns, jsonable, number_text, warned_points, without_rounding
 from app.run.transfer_chain import Response, responses_along
+from core.arrays import Vector
 from core.chain.wires import Image
 from core.errors import ParameterError, close, several, shown
 from core.evaluation import recipes, work
@@ -28,7 +29,6 @@ if TYPE_CHECKING:
 
     from app.study.study_rows import StudyRows
 
-Vector = NDArray[np.float64]
 Value = TypeVar("Value")
 _SHOWN = 20  # rows of a notebook's table
 

@@ -5,6 +5,7 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
+from core.arrays import Array
 from core.chain.engine import PlannedNode
 from core.chain.wires import Curve, CurveData, Header, Image, Series, Table, TableData
 from core.errors import DataError, ParameterError
@@ -14,7 +15,6 @@ from core.modules.declaration import Formula, Module, NodeContext, Section, para
 from core.modules.preview import Axis, Plot, Preview, brief, pair
 from core.modules.preview import Curve as DrawnCurve
 from core.physics.sampling.footprint_means import (
-    Array,
     Between,
     Footprints,
     footprint_coverage,

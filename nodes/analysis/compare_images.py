@@ -4,15 +4,15 @@ import math
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from core import kernels
+from core.arrays import Array, Vector
 from core.chain.wires import Curve, CurveData, Image, Series, Table, TableData
 from core.errors import DataError
 from core.evaluation.recipes import Recipe, in_blocks
 from core.evaluation.work import Work
 from core.modules.declaration import Formula, Module, NodeContext, param
-from core.transfer.factors import Array, Edges, Grid
+from core.transfer.factors import Edges, Grid
 from core.transfer.mirrored import MeanFree, mirrored_spectrum
 from core.transfer.periodic import periodic_spectrum
 from nodes.input_output.sample_unit import blocks
@@ -123,7 +123,6 @@ def compared(work: Work, image: Array, reference: Array, *, unit: str) -> TableD
     )
 
 
-Vector = NDArray[np.float64]
 _BLOCK_SAMPLES = 1 << 18
 # Times the rounding of the samples: where the reference has less, the ratio would be noise.
 _ABOVE_ROUNDING = 100.0

@@ -4,8 +4,8 @@ import math
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from core.arrays import Vector
 from core.chain.step_lineage import LevelChange
 from core.chain.wires import Context, Curve, CurveData, Image, Series, Table, TableData
 from core.errors import DataError
@@ -258,7 +258,6 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
     )
 
 
-Vector = NDArray[np.float64]
 BRIGHT, DARK = 0.15, 0.07
 """Reflectances whose contrast is the signal of the equations (Leachtenauer et al. 1997)."""
 _DRAWN = np.linspace(-4.0, 4.0, 129)  # samples beside the edge

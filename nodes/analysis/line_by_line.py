@@ -5,6 +5,7 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
+from core.arrays import Array
 from core.chain import wires
 from core.chain.back_transformed import back_transform
 from core.errors import DataError, ParameterError
@@ -12,7 +13,7 @@ from core.evaluation.recipes import ends_lineage
 from core.evaluation.work import Work
 from core.modules.declaration import Formula, Module, NodeContext, Section, param
 from core.physics.sampling.platform_motion import line_intervals_mrad, view_angles_rad
-from core.transfer.factors import Array, Edges, Factor, Grid, Product
+from core.transfer.factors import Edges, Factor, Grid, Product
 from core.transfer.scan_lines import MOST_NODES, Filtered, Method, ScanChain, filter_mixed
 from nodes.shared.context_defaults import given, one_source
 from nodes.shared.module_ports import TableFigures

@@ -10,10 +10,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from core.arrays import Array, Vector
 from core.chain.back_transformed import Delivered
 from core.chain.noise_power import NoisePower, spectrum_of
 from core.chain.random_fields import Remaking, Stream
-from core.chain.step_lineage import Array, AtStep, Lineage, Linear, Noise, lineage_of
+from core.chain.step_lineage import AtStep, Lineage, Linear, Noise, lineage_of
 from core.chain.wires import Image, SampledTransfer
 from core.errors import DataError
 from core.evaluation.recipes import Recipe, Step
@@ -22,8 +23,6 @@ from core.machine import amount_text
 from core.physics.noise.noise_components import NoiseVariances, components_of_moments
 from core.records import dataclass, field, replace
 from core.transfer.factors import Factor, Grid, Part, factor_at
-
-Vector = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

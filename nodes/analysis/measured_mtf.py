@@ -6,6 +6,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from core.arrays import Array, Vector
 from core.chain.wires import Curve, CurveData, CurveMark, Image, Series, Table, TableData
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Region, Step, marked
@@ -15,11 +16,10 @@ from core.physics.measurement import slanted_edge
 from core.physics.measurement.row_average import row_average
 from core.physics.numerics import sinc
 from core.records import dataclass
-from core.transfer.factors import Array, Grid, factor_at
+from core.transfer.factors import Grid, factor_at
 from nodes.analysis.lineage import Stages, transfer_of
 from nodes.shared.module_ports import TableFigures
 
-Vector = NDArray[np.float64]
 Direction = Literal["automatic", "horizontal", "vertical"]
 _BLOCK = 4
 

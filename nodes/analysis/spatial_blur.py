@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core import kernels
+from core.arrays import Array, Vector
 from core.chain.back_transformed import back_transform
-from core.chain.step_lineage import Array, Filtering, picture_step
+from core.chain.step_lineage import Filtering, picture_step
 from core.chain.wires import Curve, CurveData, Image, Magnitude, Phase, Series, Table, TableData
 from core.errors import DataError, require_finite
 from core.evaluation.recipes import Recipe, Step, in_blocks
@@ -221,7 +222,6 @@ def _places(size: int, before: int, after: int, edges: Edges) -> NDArray[np.intp
 
 # Impulse responses of a chain's transfer function, cut short with a bound on what that costs.
 
-Vector = NDArray[np.float64]
 Truncation = Literal["half_width", "error", "none"]
 
 

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from core.arrays import Vector
 from core.chain.step_lineage import LevelChange
 from core.chain.wires import CurveData, Series, TableData, TableRow
 from core.errors import DataError
@@ -23,7 +23,6 @@ from core.records import dataclass, field, replace
 from core.transfer.factors import Grid
 from nodes.analysis import lineage
 
-Vector = NDArray[np.float64]
 Unseen = str
 """Why there are no figures, in their place: the picture is clipped and shows nothing of its scene.
 The rest of the network is delivered all the same."""

@@ -8,9 +8,10 @@ from typing import Any, Literal
 
 import numpy as np
 
+from core.arrays import Array
 from core.chain.band_stack import AttenuatedBands, BandStack
 from core.chain.engine import PlannedNode
-from core.chain.step_lineage import Array, LevelChange, picture_step
+from core.chain.step_lineage import LevelChange, picture_step
 from core.chain.wires import Context, Image, Table, TableData
 from core.errors import DataError, ParameterError, how_to_install
 from core.evaluation.recipes import Recipe, Step, in_blocks, pointwise

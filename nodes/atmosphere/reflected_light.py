@@ -7,8 +7,9 @@ from typing import Any, Literal
 
 import numpy as np
 
+from core.arrays import Array
 from core.chain.band_stack import AttenuatedBands, BandStack, Row
-from core.chain.step_lineage import Array, picture_step
+from core.chain.step_lineage import picture_step
 from core.chain.wires import Image, Table, TableData
 from core.errors import DataError
 from core.evaluation.recipes import Recipe, Region, Step, in_blocks, pointwise

@@ -6,8 +6,9 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from core.arrays import Array
 from core.chain.random_fields import Stream
-from core.chain.step_lineage import Array, AtStep, LevelChange, Noise, picture_step
+from core.chain.step_lineage import AtStep, LevelChange, Noise, picture_step
 from core.chain.wires import TableData, TableRow
 from core.evaluation.recipes import (
     Recipe,

@@ -4,8 +4,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from core.arrays import Array
 from core.chain.random_fields import at_frame
-from core.chain.step_lineage import Array, AtStep, Noise, picture_step
+from core.chain.step_lineage import AtStep, Noise, picture_step
 from core.chain.wires import Context, Image, Table, TableData, Transfer
 from core.errors import ParameterError
 from core.evaluation.recipes import Recipe, Step, in_blocks, pointwise

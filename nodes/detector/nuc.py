@@ -7,9 +7,10 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
+from core.arrays import Array
 from core.chain.noise_power import NoisePower
 from core.chain.random_fields import Remaking
-from core.chain.step_lineage import Array, AtStep, Lineage, Noise, lineage_of, picture_step
+from core.chain.step_lineage import AtStep, Lineage, Noise, lineage_of, picture_step
 from core.chain.wires import Image, Table, TableData, TableRow
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks, pointwise

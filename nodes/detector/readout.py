@@ -8,7 +8,8 @@ from typing import Any, Literal
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-from core.chain.step_lineage import Array, LineOperator, picture_step
+from core.arrays import Array
+from core.chain.step_lineage import LineOperator, picture_step
 from core.chain.wires import Image
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe, Region, Seen, Step, by_region, in_blocks, pointwise

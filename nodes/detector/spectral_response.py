@@ -8,9 +8,10 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from core.arrays import Array
 from core.chain.band_stack import AttenuatedBands, BandStack, Row
 from core.chain.engine import PlannedNode
-from core.chain.step_lineage import Array, LevelChange, picture_step
+from core.chain.step_lineage import LevelChange, picture_step
 from core.chain.wires import Image
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe, Step, pointwise

@@ -5,8 +5,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from core.arrays import Array, Vector
 from core.chain.noise_power import NoisePower
-from core.chain.step_lineage import Array, Axis, Linear, Vector, picture_step
+from core.chain.step_lineage import Axis, Linear, picture_step
 from core.chain.wires import Image, Table
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import (

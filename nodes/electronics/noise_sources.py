@@ -7,10 +7,11 @@ from typing import Any, Literal
 
 import numpy as np
 
+from core.arrays import Array
 from core.chain import random_fields
 from core.chain.engine import PlannedNode
 from core.chain.noise_power import NoisePower
-from core.chain.step_lineage import Array, AtStep, Noise, picture_step
+from core.chain.step_lineage import AtStep, Noise, picture_step
 from core.chain.wires import Image, TableData
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import (

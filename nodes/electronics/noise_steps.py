@@ -6,8 +6,9 @@ from typing import Any
 import numpy as np
 
 from core import kernels
+from core.arrays import Array
 from core.chain.noise_power import NoisePower
-from core.chain.step_lineage import Array, AtStep, Linear, Noise, picture_step
+from core.chain.step_lineage import AtStep, Linear, Noise, picture_step
 from core.chain.wires import TableData, TableRow
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks, pointwise

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from core.arrays import Array
 from core.errors import DataError, FileError, ParameterError, several
 from core.machine import Empty, ForEach, in_turn
 from core.physics.radiometry.radiance_units import radiance_unit
@@ -289,8 +290,6 @@ def _per_um(info: picture_info.PictureInfo) -> float:
 
 
 # Weighted sums of a file's bands, read block by block: the cube is never in memory whole.
-
-Array = NDArray[Any]
 
 
 _BLOCK_BYTES = 1 << 21  # of samples as the file has them, so that they stay in a core's cache

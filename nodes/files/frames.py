@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any, BinaryIO
 
 import numpy as np
-from numpy.typing import NDArray
 
+from core.arrays import Array
 from core.errors import DataError, FileError
 from core.records import dataclass, field
 from nodes.files import picture_info
@@ -20,8 +20,6 @@ from nodes.files.file_format import ENVI_FRAMES, ZARR, Format, suffixes
 from nodes.files.formats import NPY, TIFF, check_finite, read_info
 from nodes.files.stored_bytes import StoredBytes, readable_file, stored_bytes
 from nodes.files.tiff_reading import TiffLayout, channel_of, directories, tiff_layouts
-
-Array = NDArray[Any]
 
 _BLOCK_SAMPLES = 1 << 24  # written at a time
 _CLASSIC_BYTES = (1 << 32) - (1 << 25)  # classic TIFF addresses 4 GiB, directories included

@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from core.arrays import Array
 from core.atomic import atomic_file
 from core.errors import FileError
 from core.machine import Empty
@@ -49,7 +50,6 @@ _ADVICE = re.compile(
     r"|(^|(?<=[.!]))\s*([^.!?()]*\?+|(Please|Perhaps|Maybe)\b[^.!]*[.!]?)"
     r"|,?\s*(or maybe|please)\b[^.!]*"
 )
-Array = NDArray[Any]
 
 _LOSSY_PACKING = ("jpeg", "webp", "pxr24", "b44", "b44a", "dwaa", "dwab", "lossy")
 _MAIN_HEADER = 1 << 16  # bytes, that hold the main header

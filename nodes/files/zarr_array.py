@@ -19,8 +19,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from core.arrays import Array
 from core.atomic import FOLDER_PREFIX, LOCK, new_mark, sweep, take
 from core.errors import FileError, how_to_install
 from core.machine import Empty
@@ -127,8 +127,6 @@ def _states(folder: Path) -> Iterator[tuple[str, os.stat_result]]:
     except OSError as error:
         raise FileError(f"{folder}: {error.strerror or error}") from error
 
-
-Array = NDArray[Any]
 
 _ROWS = ("y", "row", "rows", "line", "lines", "lat", "latitude", "northing", "along_track")
 _COLUMNS = (

@@ -6,8 +6,8 @@ from types import MappingProxyType
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from core.arrays import Array
 from core.chain.engine import asked_for, realize
 from core.chain.wires import (
     Curve,
@@ -32,7 +32,6 @@ from nodes.input_output.sample_unit import histogram, statistics
 from nodes.shared.context_defaults import is_radiance, is_temperature
 from nodes.shared.module_ports import TableFigures
 
-Array = NDArray[Any]
 Display = Literal["linear", "log", "centred_spectrum"]
 Band = tuple[float, float]
 

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from core.arrays import Array
 from core.errors import DataError, FileError, ParameterError
 from core.evaluation.recipes import ends_lineage, in_blocks
 from core.evaluation.work import Work
@@ -183,7 +184,6 @@ def _like_kelvin(stats: Statistics) -> bool:
     return low >= spectra.COLDEST_SURFACE_K and high <= spectra.HOTTEST_SURFACE_K
 
 
-Array = NDArray[Any]
 BLOCK_SAMPLES = 1 << 18
 _LEAST, _MOST = 1e-100, 1e100  # deviations that can be squared as they are
 

@@ -12,6 +12,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from core.arrays import Array
 from core.chain.band_stack import BandStack, Row, Rows
 from core.chain.step_lineage import source_step
 from core.errors import DataError, FileError, ParameterError, several
@@ -274,7 +275,6 @@ def scaled_array(work: Work, *, held: HeldSamples, scale: float, offset: float) 
 
 # The spectral bands of a cube: of a file, which stays on disk, sums are made in one pass.
 
-Array = NDArray[Any]
 Span = tuple[int, int]
 _WIDEST_UM = 1e6
 _PER_WAVENUMBER = 1e4  # dν = 1e4/λ² dλ, ν in cm⁻¹ and λ in µm

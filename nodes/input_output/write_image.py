@@ -200,7 +200,6 @@ def _metadata(image: Image) -> dict[str, MetadataValue]:
     return fields
 
 
-Array = NDArray[Any]
 _BYTES_AT_ONCE = 1 << 26
 _BANDS_AT_ONCE = 16
 _TOUCHING = 1e-9  # of the wavelength, by which bands that touch may overlap by rounding

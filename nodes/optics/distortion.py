@@ -8,9 +8,10 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
+from core.arrays import Array
 from core.chain.noise_power import NoisePower, Operator
-from core.chain.step_lineage import Array, Linear, picture_step
 from core.chain.step_lineage import Axis as AxisName
+from core.chain.step_lineage import Linear, picture_step
 from core.chain.wires import Image
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import in_blocks

@@ -5,8 +5,8 @@ from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from core.arrays import Array
 from core.chain.engine import PlannedNode
 from core.chain.wires import Pupil
 from core.errors import DataError, ParameterError
@@ -29,7 +29,6 @@ from nodes.files.formats import check_finite
 from nodes.optics.exit_pupil_mtf import sampled
 from nodes.optics.mtf_file import LensSource, lens_source, stored_samples
 
-Array = NDArray[Any]
 USUAL_RADIUS = 75.0  # of the thesis' example, 150 samples of 512
 
 

@@ -8,6 +8,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from core.arrays import Array
 from core.chain.wires import Context, Magnitude, Phase, Pupil, SampledTransfer, Transfer
 from core.errors import DataError
 from core.evaluation.recipes import Recipe, Step
@@ -18,7 +19,7 @@ from core.physics.optics.diffraction_otf import Spectrum, band_wavelengths
 from core.physics.optics.wavefront import autocorrelation, complex_pupil, wavefront_waves
 from core.physics.sampling.detector_sampling import error_estimate
 from core.records import dataclass, field, replace
-from core.transfer.factors import Array, Law, Planar, WavelengthLaw
+from core.transfer.factors import Law, Planar, WavelengthLaw
 from nodes.optics.band_spectrum import (
     DetectorResponse,
     at_each_band,

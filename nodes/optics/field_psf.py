@@ -11,7 +11,8 @@ from typing import Annotated, Any, Literal
 import numpy as np
 
 from core import kernels
-from core.chain.step_lineage import Array, Filtering, picture_step
+from core.arrays import Array
+from core.chain.step_lineage import Filtering, picture_step
 from core.chain.wires import CameraSheet, Context, Image, Magnitude
 from core.errors import ParameterError, several
 from core.evaluation.recipes import Recipe, Step, in_blocks

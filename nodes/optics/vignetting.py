@@ -7,8 +7,9 @@ from typing import Any, Literal
 
 import numpy as np
 
+from core.arrays import Array
 from core.chain.noise_power import NoisePower
-from core.chain.step_lineage import Array, Linear, picture_step
+from core.chain.step_lineage import Linear, picture_step
 from core.chain.wires import Image
 from core.errors import ParameterError
 from core.evaluation.recipes import Region, Seen, Step, by_region

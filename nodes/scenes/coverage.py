@@ -10,20 +10,17 @@ from collections.abc import Callable
 import numpy as np
 import numpy.typing as npt
 
+from core.arrays import Floats
 from core.kernels import special
 from core.records import dataclass
 
-FloatArray = npt.NDArray[np.float64]
 
-
-def cell_edges(*, count: int, start: int = 0, stop: int | None = None) -> FloatArray:
+def cell_edges(*, count: int, start: int = 0, stop: int | None = None) -> Floats:
     """Edges of samples `start` to `stop`, or all, of `count` samples that fill 0 to 1."""
     return np.arange(start, (count if stop is None else stop) + 1, dtype=np.float64) / count
 
 
-def edge_fraction(
-    distance: FloatArray, *, extent_a: FloatArray, extent_b: FloatArray
-) -> FloatArray:
+def edge_fraction(distance: Floats, *, extent_a: Floats, extent_b: Floats) -> Floats:
     """Share of a rectangular sample on the positive side of a straight edge.
 
     `distance` is that of the sample's centre, positive on the covered side; the extents are the
@@ -38,13 +35,13 @@ def edge_fraction(
     corner = np.clip(inside, 0.0, short_side)
     ratio = corner / np.where(short_side > 0.0, short_side, 1.0)
     smaller = (0.5 * corner * ratio + np.maximum(inside - short_side, 0.0)) / long_side
-    fraction: FloatArray = np.where(distance > 0.0, 1.0 - smaller, smaller)
+    fraction: Floats = np.where(distance > 0.0, 1.0 - smaller, smaller)
     return fraction
 
 
 def half_plane_coverage(
-    x_edges: FloatArray, y_edges: FloatArray, *, normal_x: float, normal_y: float, offset: float
-) -> FloatArray:
+    x_edges: Floats, y_edges: Floats, *, normal_x: float, normal_y: float, offset: float
+) -> Floats:
     """Share of each sample inside normal_x·x + normal_y·y > offset, (rows, columns)."""
     x_mid = 0.5 * (x_edges[1:] + x_edges[:-1])
     y_mid = 0.5 * (y_edges[1:] + y_edges[:-1])
@@ -56,12 +53,12 @@ def half_plane_coverage(
     )
 
 
-def _quadrant_area(x: FloatArray, y: FloatArray) -> FloatArray:
+def _quadrant_area(x: Floats, y: Floats) -> Floats:
     """Area of the unit disc left of x and before y, for every pair; x, y within -1 to 1."""
     chord = np.sqrt(1.0 - y * y)
 
-    def primitive(u: FloatArray) -> FloatArray:
-        area: FloatArray = 0.5 * (u * np.sqrt(1.0 - u * u) + np.arcsin(u))
+    def primitive(u: Floats) -> Floats:
+        area: Floats = 0.5 * (u * np.sqrt(1.0 - u * u) + np.arcsin(u))
         return area
 
     s_x, s_chord = primitive(x)[..., None, :], primitive(chord)[..., None]
@@ -79,14 +76,14 @@ def _quadrant_area(x: FloatArray, y: FloatArray) -> FloatArray:
 
 
 def ellipse_coverage(
-    x_edges: FloatArray,
-    y_edges: FloatArray,
+    x_edges: Floats,
+    y_edges: Floats,
     *,
     centre_x: npt.ArrayLike,
     centre_y: npt.ArrayLike,
     radius_x: npt.ArrayLike,
     radius_y: npt.ArrayLike,
-) -> FloatArray:
+) -> Floats:
     """Share of each sample inside an ellipse with axes along x and y, (…, rows, columns).
 
     Centre and half axes are in the unit of the edges; of several ellipses each has edges of its
@@ -114,7 +111,7 @@ def ellipse_coverage(
     return share
 
 
-def star_coverage(x_edges: FloatArray, y_edges: FloatArray, *, spokes: int) -> FloatArray:
+def star_coverage(x_edges: Floats, y_edges: Floats, *, spokes: int) -> Floats:
     """Share of each sample, of unit size, inside a star about the origin, cos(spokes·θ) > 0."""
     cuts = np.unique(np.append(y_edges, np.clip(0.0, y_edges[0], y_edges[-1])))
     upper = cuts[cuts >= 0.0]
@@ -131,11 +128,11 @@ def star_coverage(x_edges: FloatArray, y_edges: FloatArray, *, spokes: int) -> F
         return rows
     weighted = rows * np.diff(cuts)[:, None]
     first = np.searchsorted(cuts, y_edges[:-1])
-    share: FloatArray = np.add.reduceat(weighted, first, axis=0) / np.diff(y_edges)[:, None]
+    share: Floats = np.add.reduceat(weighted, first, axis=0) / np.diff(y_edges)[:, None]
     return share
 
 
-def _upper_star(x_edges: FloatArray, y_edges: FloatArray, spokes: int) -> FloatArray:
+def _upper_star(x_edges: Floats, y_edges: Floats, spokes: int) -> Floats:
     """Star coverage where y >= 0: every border is a line through the origin."""
     angle = (np.arange(spokes) + 0.5) * np.pi / spokes
     sine, cosine = np.sin(angle), np.cos(angle)
@@ -175,15 +172,15 @@ class Profile:
 
     low: float
     high: float
-    integral: Callable[[FloatArray], FloatArray]
+    integral: Callable[[Floats], Floats]
 
-    def means(self, edges: FloatArray) -> FloatArray:
+    def means(self, edges: Floats) -> Floats:
         sums = self.integral(np.minimum(np.maximum(edges, self.low), self.high))
-        means: FloatArray = (sums[..., 1:] - sums[..., :-1]) / (edges[1:] - edges[:-1])
+        means: Floats = (sums[..., 1:] - sums[..., :-1]) / (edges[1:] - edges[:-1])
         return means
 
 
-def span(low: float, high: float, edges: FloatArray) -> slice:
+def span(low: float, high: float, edges: Floats) -> slice:
     """The samples between `edges` that `low` to `high` touches."""
     # Searching by numpy gives other threads no turn: it lets go of Python and takes it again
     # within microseconds, sooner than one that waits wakes up.
@@ -236,7 +233,7 @@ def bell(centre: float, sigma: float, height: float = 1.0) -> Profile:
     return Profile(low, high, lambda e: scale * special("ndtr")((e - centre) / sigma))
 
 
-def bells(centres: FloatArray, sigma: float, heights: FloatArray) -> Profile:
+def bells(centres: Floats, sigma: float, heights: Floats) -> Profile:
     """A sum of equal Gaussians side by side, cut at 5 sigma beyond the first and the last."""
     scale = heights * (sigma * float(np.sqrt(2.0 * np.pi)))
     low, high = float(centres[0]) - 5.0 * sigma, float(centres[-1]) + 5.0 * sigma

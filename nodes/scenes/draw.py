@@ -14,6 +14,7 @@ from typing import Any, Literal, get_args
 import numpy as np
 import numpy.typing as npt
 
+from core.arrays import Floats
 from core.errors import ParameterError
 from core.physics.radiometry.planck import band_radiance
 from core.physics.radiometry.spectra import (
@@ -23,7 +24,6 @@ from core.physics.radiometry.spectra import (
     white_surface_radiance,
 )
 from nodes.scenes import coverage, scene_canvas
-from nodes.scenes.coverage import FloatArray
 from nodes.scenes.drawn_scenes import airfield, dormitory
 
 Emissivity = Literal["spectra", "grey"]
@@ -31,13 +31,13 @@ Emissivity = Literal["spectra", "grey"]
 
 def surface_spectra(
     *,
-    edges_um: FloatArray,
+    edges_um: Floats,
     temperature_K: float,
     delta_K: float,
     emissivity: Emissivity,
     sun_elevation_deg: float,
     reflectance: bool = False,
-) -> dict[str, FloatArray]:
+) -> dict[str, Floats]:
     """Spectral radiance of every surface, the mean over each band, (bands,) [W m⁻² sr⁻¹ µm⁻¹].
 
     L = ε·L(T) + (1 − ε)·(L_sky + L_sun), where L_sky is the zenith's and L_sun that of a level,
@@ -157,7 +157,7 @@ SHADED = ("shade", "brick_shade", "glass_open", "grille")
 """They see the sky, and not the Sun."""
 
 
-def surface_temperatures(*, temperature_K: float, delta_K: float) -> FloatArray:
+def surface_temperatures(*, temperature_K: float, delta_K: float) -> Floats:
     """Temperature of each of `SURFACES` [K]; parameters and error as `surface_radiance`."""
     offsets = np.array([offset for offset, _, _ in SURFACES.values()])
     temperatures = temperature_K + offsets * delta_K
@@ -220,7 +220,7 @@ GEOMETRY: Mapping[str, tuple[str, ...]] = MappingProxyType(
 Shares = scene_canvas.Layers | npt.NDArray[np.floating]
 """Of every surface, or of the signal against the background."""
 
-Spectra = Mapping[str, FloatArray]
+Spectra = Mapping[str, Floats]
 """Of every surface and texture, or of background and signal: (bands,), W m⁻² sr⁻¹ µm⁻¹."""
 
 
@@ -301,7 +301,7 @@ def show_radiances(shares: Shares, radiances: scene_canvas.Radiances) -> npt.NDA
 # In bands of wavelength: each sum of bands is the scene of the surfaces' sums.
 
 
-def band_edges(*, cut_on_um: float, cut_off_um: float, bands: int) -> FloatArray:
+def band_edges(*, cut_on_um: float, cut_off_um: float, bands: int) -> Floats:
     """Where so many bands of equal width end, (bands + 1,) [µm]."""
     return np.linspace(cut_on_um, cut_off_um, bands + 1)
 
@@ -318,7 +318,7 @@ def scene_spectra(
     sun_elevation_deg: float,
     quantity: str = "radiance",
     reflectances: tuple[float, float] | None = None,
-) -> dict[str, FloatArray]:
+) -> dict[str, Floats]:
     """Spectra of all that a scene is made of, in so many bands of equal width.
 
     A texture's strength follows in every band from the radiances there. `emissivity`,
@@ -354,7 +354,7 @@ def weighted(spectra: Spectra, weights: tuple[float, ...]) -> scene_canvas.Radia
     return {name: float(values @ factors) for name, values in spectra.items()}
 
 
-def shown_means(shares: Shares, spectra: Spectra) -> FloatArray:
+def shown_means(shares: Shares, spectra: Spectra) -> Floats:
     """Mean of every band of a scene whose shares are known, (bands,)."""
     if isinstance(shares, scene_canvas.Layers):
         return _of_surfaces(shares.names, shares.means, spectra)
@@ -365,7 +365,7 @@ def shown_means(shares: Shares, spectra: Spectra) -> FloatArray:
 
 def drawn_means(
     spectra: Spectra, canvas: scene_canvas.Canvas, *, kind: str, **geometry: float
-) -> FloatArray:
+) -> Floats:
     """The same of a scene that is drawn anew, with the parameters of `draw_radiances`."""
     if kind in DRAWN:
         drawing = DRAWN[kind]()
@@ -373,7 +373,7 @@ def drawn_means(
     return shown_means(draw_shares(kind, canvas, **geometry), spectra)
 
 
-def _of_surfaces(names: tuple[str, ...], shares: FloatArray, spectra: Spectra) -> FloatArray:
+def _of_surfaces(names: tuple[str, ...], shares: Floats, spectra: Spectra) -> Floats:
     return np.asarray(shares @ np.array([spectra[name] for name in names]))
 
 
@@ -416,7 +416,7 @@ def draw_target(
     # In samples from the frame's centre.
     x_edges, y_edges = (np.arange(count + 1.0) - 0.5 * count for count in (width, height))
 
-    def rows(start: int, stop: int) -> FloatArray:
+    def rows(start: int, stop: int) -> Floats:
         edges = x_edges, y_edges[start : stop + 1]
         if kind == "sine":
             return _sine(*edges, background, signal, angle_deg, frequency / width)
@@ -432,7 +432,7 @@ def draw_target(
     return canvas.filled(rows)
 
 
-def _slanted_edge(x_edges: FloatArray, y_edges: FloatArray, angle_deg: float) -> FloatArray:
+def _slanted_edge(x_edges: Floats, y_edges: Floats, angle_deg: float) -> Floats:
     """Share of the signal on one side of an edge through the centre.
 
     The edge's normal points `angle_deg` from +x (to the right) towards +y (down) into the
@@ -444,13 +444,13 @@ def _slanted_edge(x_edges: FloatArray, y_edges: FloatArray, angle_deg: float) ->
 
 
 def _sine(
-    x_edges: FloatArray,
-    y_edges: FloatArray,
+    x_edges: Floats,
+    y_edges: Floats,
     background: float,
     signal: float,
     angle_deg: float,
     per_sample: float,
-) -> FloatArray:
+) -> Floats:
     """A sinusoid of radiance between `background` and `signal`, a crest at the centre.
 
     It varies along `angle_deg` from +x towards +y with so many cycles per sample,
@@ -465,9 +465,7 @@ def _sine(
     return np.asarray(picture - np.sin(along) * (swing * np.sin(across)))
 
 
-def _siemens_star(
-    x_edges: FloatArray, y_edges: FloatArray, radius: float, spokes: int
-) -> list[FloatArray]:
+def _siemens_star(x_edges: Floats, y_edges: Floats, radius: float, spokes: int) -> list[Floats]:
     """Share of a disc of `spokes` sectors, the first about the +x axis; at the rim a product."""
     disc = coverage.ellipse_coverage(
         x_edges, y_edges, centre_x=0.0, centre_y=0.0, radius_x=radius, radius_y=radius

@@ -6,8 +6,9 @@ A dormitory was the target of Tantalo 1996, figure F.2. Both are drawn from cont
 
 import numpy as np
 
+from core.arrays import Floats
 from core.records import dataclass
-from nodes.scenes.coverage import FloatArray, band, bell, bells, power, steps
+from nodes.scenes.coverage import band, bell, bells, power, steps
 from nodes.scenes.scene_canvas import (
     GOLDEN_STEPS,
     Drawing,
@@ -42,12 +43,12 @@ class Front:
     brick: str
     seed: int
 
-    def columns(self) -> FloatArray:
+    def columns(self) -> Floats:
         pitch = (self.right - self.left) / self.bays
         centres = self.left + pitch * (np.arange(self.bays) + 0.5)
         return np.asarray(centres - 0.5 * self.window, dtype=np.float64)
 
-    def rows(self) -> FloatArray:
+    def rows(self) -> Floats:
         above = STOREY * np.arange(self.storeys, 0, -1)
         return np.asarray(BASE - 0.011 - above, dtype=np.float64)
 
@@ -121,7 +122,7 @@ def _windows(drawing: Drawing, front: Front) -> None:
     drawing.paint("coping", steps(y + h, y + h + 0.0025), steps(x - 0.0015, x + w + 0.0015))
 
 
-def _pane_states(front: Front) -> dict[str, FloatArray]:
+def _pane_states(front: Front) -> dict[str, Floats]:
     """Share of each state of the glass in each half window, (storeys, 2·bays)."""
     shape = (front.storeys, front.bays)
     count = front.storeys * front.bays

@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from core import kernels
+from core.arrays import Floats
 from core.machine import Empty, ForEach, in_turn
 from core.records import dataclass
 from nodes.scenes import coverage
@@ -26,12 +27,12 @@ Mix = Mapping[str, float]
 """Parts of named radiances: they sum to 1 for a surface, and to 0 for a difference."""
 
 Place = tuple[slice, slice]
-Patch = tuple[Mix, Place, coverage.FloatArray]
+Patch = tuple[Mix, Place, Floats]
 """What is drawn, in which rows and columns of the block, and as what share of each sample.
 
 The shares are the receiver's to change."""
 
-Patches = Callable[[coverage.FloatArray], Iterable[Patch]]
+Patches = Callable[[Floats], Iterable[Patch]]
 """What a stroke draws on the rows between the edges, in order."""
 
 Term = tuple[coverage.Profile, coverage.Profile]
@@ -100,7 +101,7 @@ class Canvas:
     empty: Empty = np.empty
 
     def filled(
-        self, rows: Callable[[int, int], coverage.FloatArray], samples: int = FORMULA_SAMPLES
+        self, rows: Callable[[int, int], Floats], samples: int = FORMULA_SAMPLES
     ) -> npt.NDArray[np.floating]:
         """A picture of `rows(start, stop)`, about so many samples at a time."""
         picture = self.empty((self.height, self.width), np.dtype(self.dtype))
@@ -114,7 +115,7 @@ class Canvas:
         return picture
 
 
-Stroke = tuple[float, float, frozenset[str], Callable[[coverage.FloatArray], Patches], bool]
+Stroke = tuple[float, float, frozenset[str], Callable[[Floats], Patches], bool]
 """Draws from a top to a low end, of which names; its patches, once it knows the edges of the
 columns; whether it adds to what is there, and does not cover it."""
 
@@ -151,15 +152,15 @@ class Drawing:
     def paint_ellipses(
         self,
         mixes: Sequence[Mix],
-        centre_x: coverage.FloatArray,
-        centre_y: coverage.FloatArray,
-        radius_x: coverage.FloatArray,
-        radius_y: coverage.FloatArray,
+        centre_x: Floats,
+        centre_y: Floats,
+        radius_x: Floats,
+        radius_y: Floats,
     ) -> None:
         shapes = np.array([centre_x, centre_y, radius_x, radius_y])
 
-        def bind(x_edges: coverage.FloatArray) -> Patches:
-            def patches(y_edges: coverage.FloatArray) -> Iterator[Patch]:
+        def bind(x_edges: Floats) -> Patches:
+            def patches(y_edges: Floats) -> Iterator[Patch]:
                 for index, place, share in _ellipse_shares(shapes, x_edges, y_edges):
                     yield mixes[index], place, share
 
@@ -178,11 +179,11 @@ class Drawing:
             sides.append((sign, -sign * slope, sign * (start - slope * top)))
         left, right = min(at_top[0], at_low[0]), max(at_top[1], at_low[1])
 
-        def bind(x_edges: coverage.FloatArray) -> Patches:
+        def bind(x_edges: Floats) -> Patches:
             columns = coverage.span(left, right, x_edges)
             x_part = x_edges[columns.start : columns.stop + 1]
 
-            def patches(y_edges: coverage.FloatArray) -> Iterator[Patch]:
+            def patches(y_edges: Floats) -> Iterator[Patch]:
                 rows = coverage.span(top, low, y_edges)
                 y_part = y_edges[rows.start : rows.stop + 1]
                 inside = np.clip(y_part, top, low)
@@ -202,11 +203,11 @@ class Drawing:
         top, low = min(y.low for y, _ in terms), max(y.high for y, _ in terms)
         left, right = min(x.low for _, x in terms), max(x.high for _, x in terms)
 
-        def bind(x_edges: coverage.FloatArray) -> Patches:
+        def bind(x_edges: Floats) -> Patches:
             columns = coverage.span(left, right, x_edges)
             across = _stacked([x for _, x in terms], x_edges[columns.start : columns.stop + 1])
 
-            def patches(y_edges: coverage.FloatArray) -> Iterator[Patch]:
+            def patches(y_edges: Floats) -> Iterator[Patch]:
                 rows = coverage.span(top, low, y_edges)
                 down = _stacked([y for y, _ in terms], y_edges[rows.start : rows.stop + 1])
                 yield mix, (rows, columns), down.T @ across if len(down) > 1 else down.T * across
@@ -219,7 +220,7 @@ class Drawing:
     def names(self) -> tuple[str, ...]:
         return tuple(sorted({self.background}.union(*(names for _, _, names, *_ in self._strokes))))
 
-    def bound(self, x_edges: coverage.FloatArray) -> list[tuple[bool, Patches]]:
+    def bound(self, x_edges: Floats) -> list[tuple[bool, Patches]]:
         """Of each stroke in order whether it adds, and what it draws on columns that are known."""
 
         def there(top: float, low: float, patches: Patches) -> Patches:
@@ -231,7 +232,7 @@ class Drawing:
         known = with_textures(radiances, self.textures)
         strokes = self.bound(coverage.cell_edges(count=canvas.width))
 
-        def rows(start: int, stop: int) -> coverage.FloatArray:
+        def rows(start: int, stop: int) -> Floats:
             y_edges = coverage.cell_edges(count=canvas.height, start=start, stop=stop)
             block = np.full((stop - start, canvas.width), known[self.background])
             for adds, patches in strokes:
@@ -248,15 +249,13 @@ def _mix(mix: Mix | str) -> Mix:
     return {mix: 1.0} if isinstance(mix, str) else mix
 
 
-def _stacked(
-    profiles: Sequence[coverage.Profile], edges: coverage.FloatArray
-) -> coverage.FloatArray:
+def _stacked(profiles: Sequence[coverage.Profile], edges: Floats) -> Floats:
     return np.concatenate([np.atleast_2d(profile.means(edges)) for profile in profiles])
 
 
 def _ellipse_shares(
-    shapes: coverage.FloatArray, x_edges: coverage.FloatArray, y_edges: coverage.FloatArray
-) -> Iterator[tuple[int, Place, coverage.FloatArray]]:
+    shapes: Floats, x_edges: Floats, y_edges: Floats
+) -> Iterator[tuple[int, Place, Floats]]:
     """Index, (rows, columns) and share of the samples around each ellipse that touches them."""
     centre_x, centre_y, radius_x, radius_y = shapes
     left, right = _spans(centre_x - radius_x, centre_x + radius_x, x_edges)
@@ -287,7 +286,7 @@ def _ellipse_shares(
 
 
 def _spans(
-    low: coverage.FloatArray, high: coverage.FloatArray, edges: coverage.FloatArray
+    low: Floats, high: Floats, edges: Floats
 ) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.intp]]:
     last = edges.size - 1
     first = np.clip(np.searchsorted(edges, low, side="right") - 1, 0, last)
@@ -303,7 +302,7 @@ MOTTLED = 0.4
 """Share of the least radiance within which mottling stays."""
 
 
-def scatter(count: int, *, seed: int) -> coverage.FloatArray:
+def scatter(count: int, *, seed: int) -> Floats:
     """Numbers in 0 to 1 from counters by 64-bit mixing, the same on every machine.
 
     Source: Steele, Lea, Flood 2014, SplitMix64.
@@ -313,7 +312,7 @@ def scatter(count: int, *, seed: int) -> coverage.FloatArray:
     )
     z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
     z = (z ^ (z >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
-    numbers: coverage.FloatArray = (z ^ (z >> np.uint64(31))).astype(np.float64) / 2.0**64
+    numbers: Floats = (z ^ (z >> np.uint64(31))).astype(np.float64) / 2.0**64
     return numbers
 
 
@@ -373,7 +372,7 @@ class Layers:
     shape: tuple[int, int]
     names: tuple[str, ...]
     textures: tuple[Texture, ...]
-    means: coverage.FloatArray
+    means: Floats
     shares: npt.NDArray[np.floating]
     places: npt.NDArray[np.uint8]
     ends: npt.NDArray[np.int32]
@@ -420,7 +419,7 @@ def layers_of(drawing: Drawing, canvas: Canvas) -> Layers:
     return Layers(shape, names, drawing.textures, means, *both, ends)
 
 
-def mean_shares(drawing: Drawing, canvas: Canvas) -> coverage.FloatArray:
+def mean_shares(drawing: Drawing, canvas: Canvas) -> Floats:
     """Mean share of each of the drawing's names, without the shares of all samples in memory."""
     names = drawing.names
     sums = np.zeros(len(names))
@@ -430,8 +429,8 @@ def mean_shares(drawing: Drawing, canvas: Canvas) -> coverage.FloatArray:
 
 
 def _add_sums(
-    sums: coverage.FloatArray,
-    planes: dict[str, coverage.FloatArray],
+    sums: Floats,
+    planes: dict[str, Floats],
     names: Sequence[str],
     height: int,
     dtype: npt.DTypeLike,
@@ -462,7 +461,7 @@ def _add_sums(
         sums[at] = np.add.accumulate([sums[at], *column[order]])[-1]
 
 
-def _sheets(drawing: Drawing, canvas: Canvas) -> Iterator[dict[str, coverage.FloatArray]]:
+def _sheets(drawing: Drawing, canvas: Canvas) -> Iterator[dict[str, Floats]]:
     """Shares of the names that show in some rows at a time, (rows, columns) of each."""
     width, height = canvas.width, canvas.height
     strokes = drawing.bound(coverage.cell_edges(count=width))
@@ -471,7 +470,7 @@ def _sheets(drawing: Drawing, canvas: Canvas) -> Iterator[dict[str, coverage.Flo
     for start in range(0, height, step):
         stop = min(start + step, height)
         y_edges = coverage.cell_edges(count=height, start=start, stop=stop)
-        planes: dict[str, coverage.FloatArray] = {}
+        planes: dict[str, Floats] = {}
         # From front to back: what is seen of a stroke is what later ones have left.
         clear = np.ones((stop - start, width))
         for adds, patches in reversed(strokes):

@@ -4,6 +4,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from core.arrays import Array
 from core.chain.random_fields import (
     BLOCK,
     FrameNumber,
@@ -12,7 +13,7 @@ from core.chain.random_fields import (
     normal_part,
     uniform_field,
 )
-from core.evaluation.recipes import Array, Region, Step, ends_lineage, in_parts
+from core.evaluation.recipes import Region, Step, ends_lineage, in_parts
 from core.evaluation.work import Work
 from core.modules.declaration import Module, NodeContext, Section, param
 from core.physics.noise import flicker_noise

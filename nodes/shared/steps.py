@@ -5,10 +5,11 @@ from typing import Any
 
 import numpy as np
 
+from core.arrays import Array
 from core.chain.band_stack import BandStack, SteppedBands
 from core.chain.noise_power import NoisePower
 from core.chain.random_fields import at_frame
-from core.chain.step_lineage import Array, AtStep, Filtering, Linear, Noise, picture_step
+from core.chain.step_lineage import AtStep, Filtering, Linear, Noise, picture_step
 from core.chain.wires import Image
 from core.evaluation import recipes
 from core.evaluation.work import Work

@@ -4,7 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from core.chain.step_lineage import Array, LevelChange, picture_step
+from core.arrays import Array
+from core.chain.step_lineage import LevelChange, picture_step
 from core.chain.wires import Image
 from core.errors import DataError
 from core.evaluation.recipes import Recipe, Step, pointwise

@@ -7,9 +7,10 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from core.arrays import Array, Vector
 from core.chain.back_transformed import BinMode, back_transform, combine_pixels, sample_pixels
 from core.chain.noise_power import NoisePower, Operator
-from core.chain.step_lineage import Array, Axis, Linear, PlaceDependent, picture_step
+from core.chain.step_lineage import Axis, Linear, PlaceDependent, picture_step
 from core.chain.wires import Image, Magnitude, Phase
 from core.errors import ParameterError
 from core.evaluation.recipes import Region, Seen, by_region
@@ -30,7 +31,6 @@ from core.transfer.factors import Edges, Factor, Grid, Law, Separable
 from nodes.shared.context_defaults import apart, pitch_in_samples
 from nodes.shared.module_ports import ImageOutput, NewHeight, NewWidth, passed_factors, separable
 
-Vector = NDArray[np.float64]
 Size = tuple[int, int]
 Further = list[tuple[NDArray[np.intp], NDArray[np.float64]]]
 Taps = tuple[NDArray[np.intp], Further]

@@ -8,13 +8,13 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QPainter, QPainterPath, QPainterPathStroker, QPen
 from PySide6.QtWidgets import QGraphicsPathItem
 
 from app.editor.canvas.canvas_style import CanvasStyle
 from app.editor.canvas.node_item import NodePort
+from core.arrays import Floats
 from core.editing.layout import Box, hull
 from core.network.network import Link
 
@@ -159,7 +159,6 @@ def straight(start: QPointF, end: QPointF) -> QPainterPath:
 
 
 Spot = tuple[float, float]
-Boxes = NDArray[np.float64]
 
 _LEAVE = 32.0  # units across in which a wire changes to its lane: less than the gap of columns
 _TURN = 40.0  # units aside in which a wire turns back
@@ -222,7 +221,7 @@ class Ground:
     def __init__(self, boxes: Iterable[Box] = ()) -> None:
         self.changed: Box | None = None
         self.boxes: dict[str, Box] = {str(number): box for number, box in enumerate(boxes)}
-        self._rows: Boxes | None = None
+        self._rows: Floats | None = None
 
     def put(self, name: str, box: Box) -> None:
         if self.boxes.get(name) != box:
@@ -234,13 +233,13 @@ class Ground:
         if name in self.boxes:
             self._change(self.boxes.pop(name))
 
-    def within(self, area: Box) -> Boxes:
+    def within(self, area: Box) -> Floats:
         """The boxes of nodes that overlap an area, in rows as in `Box`."""
         if self._rows is None:
             self._rows = np.array([*self.boxes.values()], np.float64).reshape(-1, 4)
         left, top, right, bottom = self._rows.T
         there = (left < area[2]) & (right > area[0]) & (top < area[3]) & (bottom > area[1])
-        inside: Boxes = self._rows[there]
+        inside: Floats = self._rows[there]
         return inside
 
     def _change(self, box: Box) -> None:
@@ -299,7 +298,7 @@ def _free(
     return None, last
 
 
-def _on(boxes: Boxes, lane: float) -> Boxes:
+def _on(boxes: Floats, lane: float) -> Floats:
     return boxes[(boxes[:, 1] - 3 < lane) & (lane < boxes[:, 3] + 3)]
 
 
@@ -307,7 +306,7 @@ _SHARES = np.arange(1, 20)[:, np.newaxis] / 20
 _CUBIC = (1 - _SHARES) ** [3, 2, 1, 0] * _SHARES ** [0, 1, 2, 3] * [1, 3, 3, 1]
 
 
-def _meets(start: Spot, end: Spot, boxes: Boxes) -> bool:
+def _meets(start: Spot, end: Spot, boxes: Floats) -> bool:
     """Whether a wire without a lane goes through one of the boxes."""
     reach = _reach(end[0] - start[0], abs(end[1] - start[1]))
     ends = [start, (start[0] + reach, start[1]), (end[0] - reach, end[1]), end]

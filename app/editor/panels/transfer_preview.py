@@ -5,11 +5,11 @@ from functools import partial
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from app.editor.evaluation.queries import Passing, Query
 from app.run.transfer_chain import Axis as Direction
 from app.run.transfer_chain import response
+from core.arrays import Vector
 from core.chain.engine import Plan, PlannedNode
 from core.chain.wires import Transfer
 from core.errors import DataError
@@ -19,7 +19,6 @@ from core.modules import preview
 from core.records import dataclass
 from core.transfer.factors import Part
 
-Vector = NDArray[np.float64]
 SAMPLES = 257
 LOWEST_SHARE = 1e-3  # of the highest frequency, on a logarithmic axis
 _FLOORS = (0.999, 0.99, 0.9, 0.5)  # an MTF that stays above one of these is shown from there on

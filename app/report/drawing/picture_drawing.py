@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from app.run import saving, terminal
 from app.run.evaluation import Evaluation
+from core.arrays import Array
 from core.chain.engine import realize
 from core.chain.wires import Image, Pupil, SampledTransfer, Transfer
 from core.errors import ImagechainError, NetworkError, close, printable
@@ -23,7 +24,6 @@ from core.network.network import Network
 from core.physics.detector.photon_conversion import SHORTEST_THERMAL_UM
 from core.physics.radiometry.planck import band_radiance, brightness_temperature
 
-Array = NDArray[Any]
 Panel = tuple[str, Array, tuple[float, float, float, float], str]
 """Title, samples, their extent (left, right, bottom, top) and its unit."""
 DPI = 144

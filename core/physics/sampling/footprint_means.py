@@ -19,12 +19,11 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from core.arrays import Array, Vector
 from core.machine import Empty, ForEach, in_turn
 from core.physics.sampling.detector_sampling import cubic_weights
 from core.records import dataclass, replace
 
-Array = NDArray[Any]
-Vector = NDArray[np.float64]
 Between = Literal["area", "bilinear", "cubic"]
 PAD = 2  # samples beyond those between two places that `between` looks at
 BLOCK_STRIPS = 64

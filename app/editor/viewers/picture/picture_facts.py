@@ -11,6 +11,7 @@ import pyqtgraph as pg
 from numpy.typing import NDArray
 from PySide6.QtCore import QRectF
 
+from core.arrays import Array
 from core.chain.band_stack import BandStack
 from core.chain.wires import Image, Magnitude, Phase, Pupil, SpectrumWire, Transfer
 from core.machine import ForEach, in_turn
@@ -231,7 +232,6 @@ def _nearest(bands: BandStack, wavelength_um: float) -> int:
 
 # Samples as 8-bit levels, their histogram and quantiles, in blocks that stay in the cache.
 
-Array = NDArray[Any]
 Grey = NDArray[np.uint8]
 
 BINS = 256

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from app.editor.evaluation.queries import Passing, Query
 from app.editor.viewers.picture import picture_facts
 from app.editor.viewers.viewer import PICTURE_TYPES, followed
+from core.arrays import Array
 from core.chain import band_stack, engine, wires
 from core.errors import DataError, ImagechainError, NetworkError, watched
 from core.evaluation.recipes import Recipe, Step, ends_lineage, number_bits
@@ -22,7 +23,6 @@ from nodes.files.formats import check_finite
 from nodes.input_output.examine_image import apparent_temperature
 from nodes.shared.context_defaults import is_radiance
 
-Array = NDArray[Any]
 INNER = (0.005, 0.995)
 WHOLE: picture_facts.Range = (0.0, 1.0)
 

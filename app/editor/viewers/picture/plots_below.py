@@ -15,10 +15,10 @@ from app.editor.theme import Theme
 from app.editor.viewers.picture.picture_facts import bands_of
 from app.editor.viewers.picture.picture_query import Picture
 from app.editor.viewers.plot.plot_looks import bare, coloured, paint_axes, thick
+from core.arrays import Vector
 from core.chain.engine import Plan
 from core.records import dataclass
 
-Vector = NDArray[np.float64]
 LINES = 8  # of text that a plot is high
 _NONE = np.empty((0, 0))
 

@@ -13,6 +13,7 @@ from PySide6.QtWidgets import QGraphicsScene, QWidget
 
 from app.editor.theme import Theme, theme_of
 from app.editor.viewers.plot import plot_looks, plotted_lines
+from core.arrays import Vector
 from core.chain.wires import CurveMark
 
 _Range = tuple[float, float]
@@ -435,14 +436,14 @@ class BarPlot(pg.PlotItem):  # type: ignore[misc]
         )
 
 
-def _padded(heights: plotted_lines.Vector, count: int) -> plotted_lines.Vector:
+def _padded(heights: Vector, count: int) -> Vector:
     """A height for each name, NaN where there is none."""
     padded = np.full(count, np.nan)
     padded[: len(heights)] = heights[:count]
     return padded
 
 
-def _range(drawn: list[plotted_lines.Vector], log: bool) -> tuple[float, float, float]:
+def _range(drawn: list[Vector], log: bool) -> tuple[float, float, float]:
     """Ends of the scale, and where bars begin: at 0, of logarithms at the decade below all."""
     finite = np.concatenate([values[np.isfinite(values)] for values in drawn] or [np.zeros(0)])
     if log:

@@ -7,11 +7,11 @@ from collections.abc import Hashable, Iterable, Sequence
 from typing import Any, ClassVar, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from app.editor.declared_text import error_text
 from app.editor.evaluation.queries import Passing, Query
 from app.run import transfer_chain
+from core.arrays import Vector
 from core.chain.engine import Plan
 from core.chain.wires import Curve, CurveData, CurveMark, Table, TableData
 from core.errors import NetworkError
@@ -20,7 +20,6 @@ from core.records import dataclass, replace
 from core.transfer.factors import Grid, Planar
 from nodes.analysis.lineage import Line as Direction
 
-Vector = NDArray[np.float64]
 Parts = Literal["mtf", "ptf", "both"]
 _AXES = {0.0: "ξ", 90.0: "η"}
 _DECADES = 8  # below the greatest value that a logarithmic ordinate shows at most
