@@ -164,7 +164,9 @@ class Distortion(Module, key="distortion", title="Distortion", group="Optics"):
 
 
 @dataclass(frozen=True)
-class Rays:
+class Rays(Linear):
+    """Where the light of each sample comes from; on the axis only the frame's size changes."""
+
     lens: Lens
     centre: tuple[float, float]
     grid: Grid
@@ -188,6 +190,20 @@ class Rays:
             1e3 * (x + self.centre[0]) / grid.interval_x_mrad + 0.5 * (grid.columns - 1),
             1e3 * (y + self.centre[1]) / grid.interval_y_mrad + 0.5 * (grid.rows - 1),
         )
+
+    def size_before(self, rows: int, columns: int) -> tuple[int, int]:
+        return self.grid.shape
+
+    def grid_before(self, grid: Grid) -> Grid:
+        return Grid(*self.grid.shape, grid.interval_x_mrad, grid.interval_y_mrad)
+
+    def noise(self, work: Work, power: NoisePower) -> NoisePower:
+        along, across = map(_middle_of, self.grid.shape, self.new)
+        return power.resampled(self.new, along, across)
+
+    def row(self, work: Work, row: Array, axis: AxisName) -> Array:
+        new = self.new[1 if axis == "x" else 0]
+        return np.asarray(_middle_of(len(row), new)(row[:, np.newaxis])[:, 0], np.float64)
 
 
 class Survey(NamedTuple):
@@ -219,36 +235,12 @@ def survey(rays: Rays) -> Survey:
     return Survey(float(corner), beyond, float(np.max(steps)), needed)
 
 
-@dataclass(frozen=True)
-class Displaced(Linear):
-    """On the axis nothing changes but the size of the frame."""
-
-    rays: Rays
-
-    def size_before(self, rows: int, columns: int) -> tuple[int, int]:
-        return self.rays.grid.shape
-
-    def grid_before(self, grid: Grid) -> Grid:
-        return Grid(*self.rays.grid.shape, grid.interval_x_mrad, grid.interval_y_mrad)
-
-    def noise(self, work: Work, power: NoisePower) -> NoisePower:
-        along, across = (
-            _middle_of(old, new)
-            for old, new in zip(self.rays.grid.shape, self.rays.new, strict=True)
-        )
-        return power.resampled(self.rays.new, along, across)
-
-    def row(self, work: Work, row: Array, axis: AxisName) -> Array:
-        new = self.rays.new[1 if axis == "x" else 0]
-        return np.asarray(_middle_of(len(row), new)(row[:, np.newaxis])[:, 0], np.float64)
-
-
 def _middle_of(old: int, new: int) -> Operator:
     index = np.clip(np.arange(new) + (old - new) // 2, 0, old - 1)
     return lambda waves: waves[index]
 
 
-@picture_step(linear=lambda _, rays: Displaced(rays))
+@picture_step(linear=lambda _, rays: rays)
 @in_blocks()
 def distorted(work: Work, image: Array, *, rays: Rays) -> Array:
     """By tiles, each from the part of the picture that its rays come from."""
