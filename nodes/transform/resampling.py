@@ -250,14 +250,8 @@ class InterpolationMTF(PlaceDependent):
 
 def interpolator(old: int, new: int, order: int, edges: Edges | None) -> Operator:
     base, further = taps(old, new, order, edges)
-
-    def interpolated(waves: Array) -> Array:
-        total = waves[base]
-        for index, weight in further:
-            total = total + weight[:, np.newaxis] * (waves[index] - waves[base])
-        return total
-
-    return interpolated
+    columns = [(index, weight[:, np.newaxis]) for index, weight in further]
+    return lambda waves: _combined(waves, base, columns, axis=0)
 
 
 _LEAST = 1e-3
