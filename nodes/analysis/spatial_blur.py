@@ -22,6 +22,7 @@ from core.records import dataclass
 from core.transfer.factors import Edges, Factor, Grid, Product
 from nodes.shared.context_defaults import one_source
 from nodes.shared.module_ports import TableFigures
+from nodes.transform.resampling import within_frame
 
 MOST_MULTIPLICATIONS = 1e12  # about a quarter of an hour
 
@@ -173,8 +174,9 @@ def _one_pass(work: Work, image: Array, kernel: Kernel, edges: Edges) -> Array:
     """Sum over taps of tap × frame moved by the tap's lag; blocks of rows, or of columns."""
     (rows, columns), (high, wide) = image.shape, kernel.taps.shape
     # A tap before lag 0 takes samples from after: the frame goes on by as many there.
-    down = _places(rows, high - 1 - kernel.before_y, kernel.before_y, edges)
-    across = _places(columns, wide - 1 - kernel.before_x, kernel.before_x, edges)
+    down = within_frame(np.arange(kernel.before_y + 1 - high, rows + kernel.before_y), rows, edges)
+    across = np.arange(kernel.before_x + 1 - wide, columns + kernel.before_x)
+    across = within_frame(across, columns, edges)
     result: Array = work.empty(image.shape, image.dtype)
     taps = kernel.taps[::-1, ::-1].astype(image.dtype)
 
@@ -209,15 +211,6 @@ def _blocks(rows: int, columns: int, step: int, *, along: bool) -> list[tuple[sl
         return [(slice(0, rows), slice(x, min(x + step, columns))) for x in starts]
     step = max(1, step)
     return [(slice(y, min(y + step, rows)), slice(0, columns)) for y in range(0, rows, step)]
-
-
-def _places(size: int, before: int, after: int, edges: Edges) -> NDArray[np.intp]:
-    """Samples of the frame that stand from `before` samples ahead of it to `after` behind it."""
-    place = np.arange(-before, size + after)
-    if edges == "periodic":
-        return place % size
-    place %= 2 * size
-    return np.where(place < size, place, 2 * size - 1 - place)
 
 
 # Impulse responses of a chain's transfer function, cut short with a bound on what that costs.
