@@ -18,7 +18,7 @@ from app.editor.theme import theme_of
 from app.editor.viewers.plot.plot_export import columns_text
 from app.editor.widgets import RIGHT, CopiedTable, centred_hint, filled, labelled
 from app.measure.measurement_text import REFUSED, REMOVED, USED
-from core.modules.preview import Axis
+from core.modules.preview import Axis, signed
 
 if TYPE_CHECKING:
     from app.fit.edge_fit import EdgesAt, Patch
@@ -75,7 +75,7 @@ class EdgeTable(QtWidgets.QTreeWidget):
 
 
 def _angle(edge: MeasuredEdge) -> str:
-    return f"{edge.found.angle_deg:.1f}°".replace("-", "\N{MINUS SIGN}")
+    return signed(f"{edge.found.angle_deg:.1f}°")
 
 
 def _half(edge: MeasuredEdge) -> str:

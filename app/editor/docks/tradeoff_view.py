@@ -38,6 +38,7 @@ from core.chain.engine import Plan
 from core.errors import ImagechainError, UsageError
 from core.evaluation.recipes import Store
 from core.evaluation.work import Work
+from core.modules.preview import signed
 from core.network.network import Network
 from core.records import dataclass
 
@@ -271,7 +272,7 @@ class TradeOffView(Viewer):
             if height is not None:
                 parts.append(f"{title.partition(' (')[0]} {shown_figure(height)}")
         place = f"{shown_number(value)}: {', '.join(parts)}" if parts else ""
-        self.status.show_more(place.replace("-", "\N{MINUS SIGN}"))
+        self.status.show_more(signed(place))
 
     def _refuse(self, text: str) -> None:
         self.status.show_text(text, failed=True)

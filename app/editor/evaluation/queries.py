@@ -15,7 +15,7 @@ from core.evaluation.work import Work
 from core.modules.declaration import Library, declaration
 from core.modules.parameters import Caution
 from core.network.macro import SEPARATOR
-from core.network.network import Network
+from core.network.network import Network, reached
 from core.records import dataclass, field
 
 BadgeKind = Literal["stale", "running", "error", "incomplete", "warning", "skipped", "disabled"]
@@ -274,7 +274,7 @@ def badges(
         node = error.node
         if node is not None and node in plan.nodes and not _fails(by_node.get(node)):
             by_node[node] = _faulty(error)
-            for name in _after(plan.network, node):
+            for name in reached(plan.network.followers, [node]) - {node}:
                 if not _fails(by_node.get(name)):
                     by_node[name] = Badge("incomplete", f"waiting for {node}")
     return by_node
@@ -355,17 +355,6 @@ def _unconnected(network: Network, library: Library, name: str) -> str:
 
 def _fails(badge: Badge | None) -> bool:
     return badge is not None and badge.kind in ("error", "incomplete")
-
-
-def _after(network: Network, node: str) -> set[str]:
-    dependents: set[str] = set()
-    waiting = [node]
-    while waiting:
-        for name in network.followers.get(waiting.pop(), ()):
-            if name not in dependents:
-                dependents.add(name)
-                waiting.append(name)
-    return dependents
 
 
 def as_error(error: Exception) -> ImagechainError:

@@ -22,7 +22,7 @@ from app.editor.panels.preview_view import PreviewView, preview_query
 from app.editor.session import Session, followed_name, renamed_node
 from app.run.preset_files import Sets, given, remove_set, save_set, sets_of
 from core.editing import operations
-from core.errors import ImagechainError, ParameterError
+from core.errors import ImagechainError, ParameterError, several
 from core.modules.declaration import where_absent
 from core.network.macro import SEPARATOR
 from core.network.network import MACRO, SEEDS, Network, check_seed
@@ -230,8 +230,8 @@ class NetworkPanel(QtWidgets.QFrame):
         self.description.show_text(network.description)
         if not self.seed.unsettled or self.seed.text() == str(network.seed):
             self._show_seed(network)
-        nodes, wires = len(network.nodes), len(network.links)
-        self.count.setText(f"{nodes} node{'s' * (nodes != 1)}, {wires} wire{'s' * (wires != 1)}")
+        nodes, wires = several(len(network.nodes), "node"), several(len(network.links), "wire")
+        self.count.setText(f"{nodes}, {wires}")
 
     def finish_typing(self) -> None:
         for edit in (self.name, self.description, self.seed):

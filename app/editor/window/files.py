@@ -22,7 +22,7 @@ from core.chain.engine import Engine
 from core.editing.document import Document, mark, rebased
 from core.editing.operations import Operation, restored, set_parameter, together
 from core.editing.wiring import new_node
-from core.errors import ParameterError
+from core.errors import ParameterError, several
 from core.modules.declaration import Library, declaration, where_absent
 from core.network.file import parse_network, read_text
 from core.network.macro import expanded, unfolded
@@ -227,11 +227,11 @@ def open_network_file(path: Path, *, library: Library) -> tuple[Document, str]:
     if unknown:
         names = ", ".join(unknown[:4]) + (" …" if len(unknown) > 4 else "")
         as_found = "it is" if len(unknown) == 1 else "they are"
-        remarks.append(f"{_count(len(unknown), 'unknown module')} kept as {as_found}: {names}")
+        remarks.append(f"{several(len(unknown), 'unknown module')} kept as {as_found}: {names}")
         reasons = (where_absent(module, library) for module in unknown[:4])
         remarks += dict.fromkeys(reason for reason in reasons if reason)
     if faults:
-        remarks.append(f"{_count(len(faults), 'value')} not allowed: see the marked nodes")
+        remarks.append(f"{several(len(faults), 'value')} not allowed: see the marked nodes")
     return document, "; ".join(remarks)
 
 
@@ -256,10 +256,6 @@ def shipped_copy(document: Document) -> Document:
                 full = str((folder / path).absolute())
                 network = network.with_parameter(node.id, parameter.name, full)
     return Document(network, library=document.library)
-
-
-def _count(number: int, what: str) -> str:
-    return f"{number} {what}{'' if number == 1 else 's'}"
 
 
 READ_IMAGE = "read_image"

@@ -17,6 +17,7 @@ from app.editor.viewers.picture.picture_query import Picture
 from app.editor.viewers.picture.plots_below import PlotBelow
 from app.editor.viewers.plot.plot_looks import PlotAxis, bare, paint_axes
 from app.editor.widgets import is_escape
+from core.modules.preview import signed
 
 Zoom = tuple[float, ...]
 Sides = Literal["first left", "second left", "second alone"]
@@ -436,7 +437,7 @@ class PictureItem(pg.ImageItem):  # type: ignore[misc]
     def number_at(self, row: int, column: int) -> str:
         """A sample in the few digits that fit on its pixel."""
         assert self._samples is not None
-        return f"{self._samples[row, column]:.3g}".replace("-", "\N{MINUS SIGN}")
+        return signed(f"{self._samples[row, column]:.3g}")
 
     def _is_dark(self, row: int, column: int) -> bool:
         level = self.image[row, column]

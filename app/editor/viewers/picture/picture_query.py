@@ -17,6 +17,7 @@ from core.chain import band_stack, engine, wires
 from core.errors import DataError, ImagechainError, NetworkError, watched
 from core.evaluation.recipes import Recipe, Step, ends_lineage, number_bits
 from core.evaluation.work import Work
+from core.modules.preview import signed
 from core.network.network import Network
 from core.records import dataclass, replace
 from nodes.files.formats import check_finite
@@ -482,7 +483,7 @@ def _place_text(facts: picture_facts.Facts, row: int, column: int) -> str:
         text = f"{facts.across.label} {x:.4g}  {facts.along.label} {y:.4g} {facts.across.unit}"
     else:
         text = f"row {y:.10g}  column {x:.10g}"
-    return text.replace("-", "\N{MINUS SIGN}")
+    return signed(text)
 
 
 def _value_text(picture: Picture, row: int, column: int) -> str:
@@ -492,7 +493,7 @@ def _value_text(picture: Picture, row: int, column: int) -> str:
     text = f"{values or format(value, '.6g')} {picture.facts.unit}".rstrip()
     if temperature_K is not None:
         text += f"  {temperature_K:.2f} K"
-    return text.replace("-", "\N{MINUS SIGN}")
+    return signed(text)
 
 
 def facts_text(picture: Picture, query: PictureQuery, kept: str = "", way: str = "") -> str:
@@ -549,6 +550,5 @@ def sample_text(
     text = f"{where}A {_value_text(other, *its)}  |  B {own}"
     now_K, then_K = probe(picture, row, column)[1], probe(other, *its)[1]
     if now_K is not None and then_K is not None:
-        difference_K = now_K - then_K
-        text += f"  |  B \N{MINUS SIGN} A {difference_K:+.3f} K".replace("-", "\N{MINUS SIGN}")
+        text += signed(f"  |  B - A {now_K - then_K:+.3f} K")
     return text

@@ -18,6 +18,7 @@ from app.run.evaluation import ELECTRONICS_FIGURES, SENSOR_FIGURES, sensor_node
 from app.run.transfer_chain import HOW_TO_MARK, find_output, sound_part
 from core.chain.engine import Plan
 from core.errors import ImagechainError
+from core.modules.preview import signed
 from core.records import dataclass
 
 RUN_TIME = "run_time"
@@ -194,8 +195,7 @@ def figure_text(value: Any, unit: str) -> str:
     if not isinstance(value, int | float):
         return str(value)
     factor, shown_unit = prefixed(value, unit)
-    text = f"{value / factor:.4g} {shown_unit}"
-    return text.strip().replace("-", "\N{MINUS SIGN}")
+    return signed(f"{value / factor:.4g} {shown_unit}".strip())
 
 
 def prefixed(value: float, unit: str) -> tuple[float, str]:

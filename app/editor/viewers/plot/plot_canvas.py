@@ -15,6 +15,7 @@ from app.editor.theme import Theme, theme_of
 from app.editor.viewers.plot import plot_looks, plotted_lines
 from core.arrays import Vector
 from core.chain.wires import CurveMark
+from core.modules.preview import signed
 
 _Range = tuple[float, float]
 _Ranges = tuple[_Range | None, tuple[_Range, ...]]
@@ -253,7 +254,7 @@ class PlotCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         _, _, x_unit = self.drawing.x_label.rstrip(")").partition(" (")
         what = f"{title}: " if quantity in title else f"{title}, {quantity}: "
         text = f"{place:.4g} {x_unit}".rstrip() + f"   {what}{value:.5g} {unit}".rstrip()
-        self.read.emit(text.replace("-", "\N{MINUS SIGN}"))
+        self.read.emit(signed(text))
 
     def _read_nothing(self) -> None:
         self._at = None
@@ -460,4 +461,4 @@ def _text(value: float) -> str:
         return "–"
     if math.isinf(value):
         return "∞" if value > 0 else "\N{MINUS SIGN}∞"
-    return f"{value:.4g}".replace("e-0", "e-").replace("-", "\N{MINUS SIGN}")
+    return signed(f"{value:.4g}".replace("e-0", "e-"))

@@ -31,6 +31,7 @@ from app.editor.viewers.plot.plotted_lines import (
 from app.run.terminal import number_text
 from core.chain.wires import CurveData, TableData, TableRow
 from core.errors import UsageError, several
+from core.modules.preview import signed
 from core.network.network import Network
 
 _LIST_SHARE = 0.36  # of the height, at most, for the legend
@@ -340,7 +341,7 @@ class FigureTable(widgets.CopiedTable):
         self._figures = table.rows
         self.setRowCount(len(table.rows))
         for row, figure in enumerate(table.rows):
-            shown = number_text(figure.value).replace("-", "\N{MINUS SIGN}")
+            shown = signed(number_text(figure.value))
             if figure.value is None:
                 shown = "—"
             elif isinstance(figure.value, str):
