@@ -11,7 +11,7 @@ from pathlib import Path
 from PySide6.QtCore import QPoint
 
 from app.editor.panels.preview_view import PreviewView
-from hands import centre, process_events, wait_until
+from hands import centre, process_events, wait_still, wait_until
 from managed_window import Managed
 from panel_hands import handle_of
 from screen_places import place_of_head
@@ -46,7 +46,9 @@ def choose(made, node):
     wait_until(lambda: made.window.session.selection == (node,), f"{node} is selected")
     process_events(0.1)
     wait_until(lambda: made.window.evaluator.idle, "all is computed")
-    return made.window.panels.panels[node]
+    panel = made.window.panels.panels[node]
+    wait_still(panel.body)
+    return panel
 
 
 def dragged(made, panel, name, pixels):
