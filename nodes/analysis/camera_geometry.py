@@ -89,11 +89,12 @@ def swath_m(camera: Camera) -> float:
 def ground_curve(_: Work, *, camera: Camera) -> CurveData:
     count = min(camera.columns, CURVE_POINTS)
     u = np.linspace(0.5, camera.columns - 0.5, count)
-    samples = [ground_sample(camera=camera, u=float(column), v=0.5 * camera.rows) for column in u]
+    sizes = [ground_sample(camera=camera, u=float(column), v=0.5 * camera.rows) for column in u]
+    across, along = np.array(sizes).T
     angles = np.degrees(view_angles(camera=camera, u=u))
     series = [
-        Series("across the track", angles, np.array([sample.across_m for sample in samples])),
-        Series("along the track", angles, np.array([sample.along_m for sample in samples])),
+        Series("across the track", angles, across),
+        Series("along the track", angles, along),
     ]
     if camera.kind != "framing":
         series.append(Series("line spacing", angles, np.full(count, camera.line_spacing_m)))
@@ -106,8 +107,8 @@ def geometry_table(
     work: Work, scene: Array, laid: Footprints, *, strips: int, between_samples: Between, **how: Any
 ) -> TableData:
     camera, (x, y) = how["camera"], how["intervals_m"]
-    bounds = ground_bounds(camera=camera)
-    middle = ground_sample(camera=camera, u=0.5 * camera.columns, v=0.5 * camera.rows)
+    left, right, top, bottom = ground_bounds(camera=camera)
+    across, along = ground_sample(camera=camera, u=0.5 * camera.columns, v=0.5 * camera.rows)
     error = 0.0
     if not laid.level:
         finer = laid_footprints(work, strips=FINER * strips, **how)
@@ -116,12 +117,12 @@ def geometry_table(
     samples = "scene samples per camera sample at the centre"
     return TableData.of(
         ("swath_m", swath_m(camera), "m", "swath width at the middle line"),
-        ("left_m", bounds.left, "m", where),
-        ("right_m", bounds.right, "m", where),
-        ("top_m", bounds.top, "m", where),
-        ("bottom_m", bounds.low, "m", where),
-        ("scene_samples_x", middle.across_m / x, "", f"{samples}, across the track"),
-        ("scene_samples_y", middle.along_m / y, "", f"{samples}, along the track"),
+        ("left_m", left, "m", where),
+        ("right_m", right, "m", where),
+        ("top_m", top, "m", where),
+        ("bottom_m", bottom, "m", where),
+        ("scene_samples_x", across / x, "", f"{samples}, across the track"),
+        ("scene_samples_y", along / y, "", f"{samples}, along the track"),
         ("strips", laid.strips, "", "strips per footprint"),
         ("footprint_error", error, "",
          "largest change when footprints are cut into four times as many strips, as "
@@ -440,13 +441,13 @@ def _sample(camera: Camera, share: float) -> tuple[float, float]:
 
 
 def _check_inside(camera: Camera, width_m: float, height_m: float) -> None:
-    bounds = ground_bounds(camera=camera)
+    left, right, top, bottom = ground_bounds(camera=camera)
     half_x, half_y = 0.5 * width_m, 0.5 * height_m
     beyond = {
-        "left": -half_x - bounds.left,
-        "right": bounds.right - half_x,
-        "top": -half_y - bounds.top,
-        "bottom": bounds.low - half_y,
+        "left": -half_x - left,
+        "right": right - half_x,
+        "top": -half_y - top,
+        "bottom": bottom - half_y,
     }
     past = {side: by for side, by in beyond.items() if by > 1e-9 * (half_x + half_y)}
     if not past:

@@ -17,7 +17,7 @@ of them follows from the geometry alone.
 """
 
 import math
-from typing import Literal, NamedTuple
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -55,22 +55,6 @@ class Camera:
     yaw_deg: float = 0.0
     offset_x_m: float = 0.0
     offset_y_m: float = 0.0
-
-
-class Bounds(NamedTuple):
-    """Ground that a frame shows, m from the middle of the scene."""
-
-    left: float
-    right: float
-    top: float
-    low: float
-
-
-class GroundSample(NamedTuple):
-    """Size of a sample on the ground."""
-
-    across_m: float
-    along_m: float
 
 
 def view_angles(*, camera: Camera, u: ArrayLike) -> Vector:
@@ -152,21 +136,23 @@ def ground_points(*, camera: Camera, u: ArrayLike, v: ArrayLike) -> tuple[Vector
     return x / z, y / z
 
 
-def ground_sample(*, camera: Camera, u: float, v: float) -> GroundSample:
-    """Size on the ground of the sample about a place in the frame: its two middle lines.
+def ground_sample(*, camera: Camera, u: float, v: float) -> tuple[float, float]:
+    """Size in m on the ground, across and along, of the sample about a place in the frame.
 
-    For an upright line scanner h·Δ·sec²θ across and h·Δ·sec θ along, but for terms of Δ³.
+    It is that of its two middle lines: for an upright line scanner h·Δ·sec²θ across and h·Δ·sec θ
+    along, but for terms of Δ³.
     """
     reach = 0.5 * float(line_widths(camera=camera, u=u))
     x, y = ground_points(camera=camera, u=[u - 0.5, u + 0.5, u, u], v=[v, v, v - reach, v + reach])
     size = np.hypot(np.diff(x)[::2], np.diff(y)[::2])
-    return GroundSample(float(size[0]), float(size[1]))
+    return float(size[0]), float(size[1])
 
 
-def ground_bounds(*, camera: Camera) -> Bounds:
-    """The ground that a frame shows, with the samples' whole extent.
+def ground_bounds(*, camera: Camera) -> tuple[float, float, float, float]:
+    """Left, right, top and bottom of the ground that a frame shows, with the samples' whole extent.
 
-    The frame's borders are straight on the ground, so that its corners lie farthest out.
+    In m from the middle of the scene. The frame's borders are straight on the ground, so that its
+    corners lie farthest out.
     """
     x, y = [], []
     for u, column in ((0.0, 0.5), (float(camera.columns), camera.columns - 0.5)):
@@ -174,7 +160,7 @@ def ground_bounds(*, camera: Camera) -> Bounds:
         points = ground_points(camera=camera, u=u, v=[-beyond, camera.rows + beyond])
         x += points[0].tolist()
         y += points[1].tolist()
-    return Bounds(min(x), max(x), min(y), max(y))
+    return min(x), max(x), min(y), max(y)
 
 
 def check_horizon(*, camera: Camera) -> None:

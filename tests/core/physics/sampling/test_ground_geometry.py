@@ -82,14 +82,14 @@ def test_rays_meet_the_ground_where_they_are_followed_to(kind, attitude):
 @pytest.mark.parametrize("kind", ["line", "pushbroom", "framing"])
 def test_bounds_hold_all_that_is_seen(kind, attitude):
     cam = camera(kind, **attitude, step_y_mrad=11.0 / 0.8)  # lines join at nadir
-    bounds = ground_bounds(camera=cam)
+    left, right, top, bottom = ground_bounds(camera=cam)
     u, v = np.meshgrid(np.linspace(0, 40, 21), np.linspace(0, 30, 31))
     x, y = (np.asarray(each) for each in ground_points(camera=cam, u=u, v=v))
-    assert bounds.left <= x.min() + 1e-9
-    assert bounds.right >= x.max() - 1e-9
-    assert bounds.top <= y.min() + 1e-9
-    assert bounds.low >= y.max() - 1e-9
-    assert bounds.right - bounds.left < 1.25 * (x.max() - x.min())
+    assert left <= x.min() + 1e-9
+    assert right >= x.max() - 1e-9
+    assert top <= y.min() + 1e-9
+    assert bottom >= y.max() - 1e-9
+    assert right - left < 1.25 * (x.max() - x.min())
 
 
 def test_panoramic_distortion_of_a_line_scanner():
@@ -100,21 +100,21 @@ def test_panoramic_distortion_of_a_line_scanner():
     x, y = ground_points(camera=cam, u=[0, 450, 900], v=5)
     assert x.tolist() == pytest.approx([-1000, 0, 1000], abs=1e-9)
     assert y.tolist() == pytest.approx([0, 0, 0], abs=1e-12)
-    middle = ground_sample(camera=cam, u=450, v=5)
-    assert middle.across_m == pytest.approx(1000 * 2 * math.tan(math.pi / 3600), rel=1e-12)
+    across, _ = ground_sample(camera=cam, u=450, v=5)
+    assert across == pytest.approx(1000 * 2 * math.tan(math.pi / 3600), rel=1e-12)
     for angle in (0.0, 30.0, 44.95):
-        found = ground_sample(camera=cam, u=450 + angle * 10, v=5)
+        across, along = ground_sample(camera=cam, u=450 + angle * 10, v=5)
         secant = 1 / math.cos(angle * DEGREE)
-        assert found.across_m == pytest.approx(step * secant**2, rel=2e-6)
-        assert found.along_m == pytest.approx(step * secant, rel=1e-12)
+        assert across == pytest.approx(step * secant**2, rel=2e-6)
+        assert along == pytest.approx(step * secant, rel=1e-12)
 
 
 def test_a_pushbroom_has_equal_ground_samples():
     cam = camera("pushbroom")
     for u in (0.5, 20, 39.5):
-        found = ground_sample(camera=cam, u=u, v=3)
-        assert found.across_m == pytest.approx(9.6, rel=1e-12)  # 12 mrad · 800 m
-        assert found.along_m == pytest.approx(7.2, rel=1e-12)  # 9 mrad · 800 m
+        across, along = ground_sample(camera=cam, u=u, v=3)
+        assert across == pytest.approx(9.6, rel=1e-12)  # 12 mrad · 800 m
+        assert along == pytest.approx(7.2, rel=1e-12)  # 9 mrad · 800 m
     assert step_of_field_mrad(kind="pushbroom", fov_deg=90, columns=200) == pytest.approx(10)
 
 
