@@ -303,7 +303,7 @@ def _of_noise(trial: _Trial) -> Iterator[str]:
         rows, columns = lineage.linear.size_before(*wire.shape)
         white = NoisePower.white(rows, columns, 1.0)
         behind = lineage.linear.carried(work, white, temporal=True)
-        variance = 0.0 if behind is None else behind.moments().sample
+        variance = 0.0 if behind is None else behind.variance
         if not (math.isfinite(variance) and variance >= 0):
             yield (
                 f"output {name}: noise of variance 1 gives a variance of {variance}, which must "

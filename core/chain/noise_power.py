@@ -20,7 +20,7 @@ from core import kernels, machine
 from core.arrays import Array, Matrix, Vector
 from core.errors import DataError
 from core.evaluation.work import Work
-from core.physics.noise.noise_components import Moments
+from core.physics.noise.noise_components import NoiseVariances, components_of_moments
 from core.records import dataclass, replace
 from core.transfer.factors import Edges, Factor, Grid, Product, nyquist_lines
 
@@ -66,13 +66,26 @@ class NoisePower:
                 power = _carried(power, np.abs(matrix) ** 2, axis)
         return power
 
-    def moments(self) -> Moments:
-        whole = np.broadcast_to(self.shown, (self.rows, self.columns))
-        return Moments(
-            sample=float(np.mean(whole)),
-            row_mean=float(np.mean(whole[:, 0])) / self.columns,
-            column_mean=float(np.mean(whole[0])) / self.rows,
-            frame_mean=float(whole[0, 0]) / (self.rows * self.columns),
+    @property
+    def _whole(self) -> Array:
+        return np.broadcast_to(self.shown, (self.rows, self.columns))
+
+    @property
+    def variance(self) -> float:
+        """Of a sample."""
+        return float(np.mean(self._whole))
+
+    def components(self, *, temporal: bool) -> NoiseVariances:
+        """What unbiased estimates of the components are on average."""
+        whole, rows, columns = self._whole, self.rows, self.columns
+        return components_of_moments(
+            sample=self.variance,
+            row_mean=float(np.mean(whole[:, 0])) / columns,
+            column_mean=float(np.mean(whole[0])) / rows,
+            frame_mean=float(whole[0, 0]) / (rows * columns),
+            rows=rows,
+            columns=columns,
+            temporal=temporal,
         )
 
     def scaled(self, factor: float) -> NoisePower:

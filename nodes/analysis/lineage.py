@@ -20,7 +20,7 @@ from core.errors import DataError
 from core.evaluation.recipes import Recipe, Step
 from core.evaluation.work import Work
 from core.machine import amount_text
-from core.physics.noise.noise_components import NoiseVariances, components_of_moments
+from core.physics.noise.noise_components import NoiseVariances
 from core.records import dataclass, field, replace
 from core.transfer.factors import Factor, Grid, Part, factor_at
 
@@ -314,7 +314,8 @@ class NoiseOf(Recipe):
         if any(noise.pattern for noise in noises):
             noises = self._with_patterns(work, noises)
         terms = tuple(
-            NoiseTerm(one.node, one.name, one.temporal, _components(one)) for one in noises
+            NoiseTerm(one.node, one.name, one.temporal, one.power.components(temporal=one.temporal))
+            for one in noises
         )
         mean = float(np.mean(work.value(self._mean_of), dtype=np.float64))
         spectrum = spectrum_of([noise.power for noise in noises if noise.temporal])
@@ -343,13 +344,6 @@ class NoiseOf(Recipe):
                 return replace(noise, power=NoisePower.of_pattern(pattern))
 
             return [seen(*pair) for pair in zip(noises, alone, strict=True)]
-
-
-def _components(noise: Noise) -> NoiseVariances:
-    power = noise.power
-    return components_of_moments(
-        moments=power.moments(), rows=power.rows, columns=power.columns, temporal=noise.temporal
-    )
 
 
 def _way_up(recipe: Recipe) -> Iterator[tuple[Recipe, Lineage | None]]:

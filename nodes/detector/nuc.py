@@ -219,7 +219,7 @@ def _left(at: AtStep, *images: Recipe, two: bool, frames: int, drift_share: floa
         samples = np.asarray(seen * factor + added, np.float64)
         place = (np.float64(samples.mean()) if at.uniform else samples) - start
         place = np.broadcast_to(place / rise, samples.shape)
-        temporal = sum(noise.power.moments().sample for noise in at.before if noise.temporal)
+        temporal = sum(noise.power.variance for noise in at.before if noise.temporal)
         of_mean = temporal / frames
         if two:
             power = of_mean * ((1.0 - place) ** 2 + place**2)
@@ -229,7 +229,7 @@ def _left(at: AtStep, *images: Recipe, two: bool, frames: int, drift_share: floa
             differing = place * ((warm - cool) - rise)
             shown = NoisePower.of_pattern(differing)
             # The references' own noise is no difference of gains.
-            whole = shown.moments().sample
+            whole = shown.variance
             known = max(whole - 2.0 * of_mean * float(np.mean(place**2)), 0.0)
             shown = shown.scaled((known / whole) ** 0.5) if whole else shown
             noises.append(at.coloured("gain", shown, temporal=False))

@@ -189,7 +189,7 @@ def filtered_lines(
 
 def rounding_noises(at: AtStep, step: float) -> list[Noise]:
     """Rounding errors: temporal as far as temporal noise changes them, else fixed."""
-    stirring = sum(noise.power.moments().sample for noise in at.before if noise.temporal)
+    stirring = sum(noise.power.variance for noise in at.before if noise.temporal)
     if stirring < (_STILL * step) ** 2:
         return [at.known("quantization")]
     temporal, fixed = rounding_variances(step=step, noise_variance=stirring)

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from core.arrays import Matrix, Vector
 from core.errors import DataError
+from core.physics.noise.noise_components import check_frame
 from core.records import dataclass
 
 # Mean, temporal variance and fixed pattern of frames of a flat field, taken one by one.
@@ -97,11 +98,7 @@ class FlatFrames:
 
     def add(self, frame: NDArray[Any]) -> None:
         """Take another frame, shape (rows, columns)."""
-        if frame.shape != self._sum.shape:
-            raise DataError(
-                f"a frame of {frame.shape[1]} × {frame.shape[0]} samples does not match the "
-                f"earlier frames, {self._sum.shape[1]} × {self._sum.shape[0]}"
-            )
+        check_frame(frame, *self._sum.shape)
         samples = frame.astype(np.float64)
         # Double precision has whole numbers up to that exactly.
         self._whole &= bool((samples == np.rint(samples)).all())

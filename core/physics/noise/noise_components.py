@@ -92,22 +92,20 @@ MEANINGS = {
 }
 
 
-@dataclass(frozen=True)
-class Moments:
-    """Expected variances of a noise field and of its averages: of a row, a column and the frame."""
-
-    sample: float
-    row_mean: float
-    column_mean: float
-    frame_mean: float
-
-
 def components_of_moments(
-    *, moments: Moments, rows: int, columns: int, temporal: bool
+    *,
+    sample: float,
+    row_mean: float,
+    column_mean: float,
+    frame_mean: float,
+    rows: int,
+    columns: int,
+    temporal: bool,
 ) -> NoiseVariances:
     """Components that unbiased estimates have on average, for a noise of any correlation.
 
-    Variances are about zero: over the frames if `temporal`, else over all the patterns a sensor of
+    Given are the expected variances of a sample and of the means of a row, a column and the frame.
+    They are about zero: over the frames if `temporal`, else over all the patterns a sensor of
     this kind may have. Gives tvh, tv, th and t of a temporal noise; vh, v and h of a fixed one,
     whose mean over the frame counts as none.
 
@@ -119,13 +117,13 @@ def components_of_moments(
     if rows < 2 or columns < 2:
         raise DataError(f"noise components need at least 2 × 2 samples, not {columns} × {rows}")
     kept_columns, kept_rows = 1.0 - 1.0 / columns, 1.0 - 1.0 / rows
-    across = (moments.sample - moments.row_mean) / kept_columns
-    across_of_means = (moments.column_mean - moments.frame_mean) / kept_columns
+    across = (sample - row_mean) / kept_columns
+    across_of_means = (column_mean - frame_mean) / kept_columns
     single = (across - across_of_means) / kept_rows
     column = across - single
-    row = (moments.sample - moments.column_mean) / kept_rows - single
-    whole = moments.sample - single - column - row
-    rounding = 1e-13 * moments.sample
+    row = (sample - column_mean) / kept_rows - single
+    whole = sample - single - column - row
+    rounding = 1e-13 * sample
     single, column, row, whole = (
         component if abs(component) > rounding else 0.0
         for component in (single, column, row, whole)
@@ -148,6 +146,15 @@ class MeasuredNoise:
     frames: int
     rows: int
     columns: int
+
+
+def check_frame(frame: NDArray[Any], rows: int, columns: int) -> None:
+    """Refuse a frame that is not as large as those before."""
+    if frame.shape != (rows, columns):
+        raise DataError(
+            f"a frame of {frame.shape[1]} × {frame.shape[0]} samples does not match the "
+            f"earlier frames, {columns} × {rows}"
+        )
 
 
 class NoiseCube:
@@ -173,11 +180,7 @@ class NoiseCube:
 
     def add(self, frame: NDArray[Any]) -> None:
         """Take another frame, shape (rows, columns)."""
-        if frame.shape != (self.rows, self.columns):
-            raise DataError(
-                f"a frame of {frame.shape[1]} × {frame.shape[0]} samples does not match the "
-                f"earlier frames, {self.columns} × {self.rows}"
-            )
+        check_frame(frame, self.rows, self.columns)
         if self._offset is None:
             # What all frames have in common would cost the sums of squares their digits.
             self._offset = float(np.mean(frame, dtype=np.float64))

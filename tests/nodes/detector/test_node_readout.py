@@ -85,7 +85,7 @@ def test_noise_and_mean_are_those_of_the_pictures_of_single_rows(tmp_path, modul
     bench, image, matrix = made(tmp_path, np.eye(size), module, params)
     change = image.recipe.lineage.linear
     power = change.noise(bench.work, NoisePower.white(size, size, 1.0))
-    assert power.moments().sample == pytest.approx((matrix**2).sum() / size, rel=1e-9)
+    assert power.variance == pytest.approx((matrix**2).sum() / size, rel=1e-9)
     assert change.gain == pytest.approx(matrix.sum() / size, rel=1e-9)
     np.testing.assert_allclose(change.row(bench.work, matrix[3], "y"), matrix @ matrix[3])
 

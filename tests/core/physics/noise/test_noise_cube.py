@@ -5,7 +5,6 @@ import pytest
 
 from core.physics.noise.noise_components import (
     COMPONENTS,
-    Moments,
     NoiseCube,
     components_of_moments,
 )
@@ -77,7 +76,9 @@ def test_components_of_correlated_noise_are_what_estimates_have_on_average(tempo
             expected += [each.variance(name) for name in COMPONENTS]
             if not temporal:
                 break
+    names = ("sample", "row_mean", "column_mean", "frame_mean")
+    size = {"rows": rows, "columns": columns}
     found = components_of_moments(
-        moments=Moments(*moments), rows=rows, columns=columns, temporal=temporal
+        **dict(zip(names, moments, strict=True)), **size, temporal=temporal
     )
     assert [found.variance(n) for n in COMPONENTS] == pytest.approx(list(expected), abs=1e-10)
