@@ -15,7 +15,7 @@ from app.run.transfer_chain import HOW_TO_MARK, HOW_TO_NAME, find_chain, find_ou
 from core import kernels
 from core.arrays import Complex, Vector
 from core.chain.engine import Engine, Plan, PlannedNode
-from core.chain.step_lineage import PlaceDependent, lineage_of, source_step
+from core.chain.step_lineage import lineage_of, source_step
 from core.chain.wires import Image
 from core.errors import DataError, UsageError, several
 from core.evaluation.recipes import Step
@@ -30,6 +30,7 @@ from core.physics.sampling.detector_sampling import block_mean_mtf
 from core.records import dataclass, replace
 from core.transfer.factors import Factor, Planar, Separable
 from nodes.analysis.lineage import ImageNoise, ImageTransfer, NoiseOf, transfer_of
+from nodes.transform.resampling import InterpolationMTF
 
 FREE = "--free"
 _FORM = "NODE.PARAM, or NODE.PARAM=LOW:HIGH"
@@ -384,7 +385,7 @@ def _complex_at(work: Work, factor: Factor, xi: Vector, eta: Vector) -> Complex:
         if law is None:
             continue
         flat = frequency.ravel()
-        if isinstance(factor, PlaceDependent):
+        if isinstance(factor, InterpolationMTF):
             values = factor.mean_over(law, flat, 1.0)
         else:
             made = factor.axis(work, law, flat)

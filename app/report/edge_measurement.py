@@ -16,7 +16,7 @@ from app.report.drawing.picture_drawing import COLOURS, figure, named, short
 from app.run.evaluation import Evaluation
 from core.arrays import Array, Vector
 from core.chain.random_fields import Remaking
-from core.chain.step_lineage import Axis, Linear, PlaceDependent, lineage_of, source_step
+from core.chain.step_lineage import Axis, Linear, lineage_of, source_step
 from core.chain.wires import Image
 from core.errors import FAULTS, DataError, ImagechainError
 from core.evaluation.recipes import Recipe, Region, Step
@@ -30,6 +30,7 @@ from nodes.analysis.lineage import ImageTransfer, transfer_of
 from nodes.analysis.measured_mtf import Measured, measured_rows, measured_slanted
 from nodes.scenes.draw import draw_target
 from nodes.scenes.scene_canvas import Canvas
+from nodes.transform.resampling import InterpolationMTF
 
 Fact = dict[str, Any]
 Direction = Literal["horizontal", "vertical"]
@@ -256,7 +257,7 @@ def expected_mtf(
         if factor.part != "mtf":
             continue
         work.check()
-        if isinstance(factor, PlaceDependent):
+        if isinstance(factor, InterpolationMTF):
             if factor.x is not None:
                 total = total * factor.mean_over(factor.x, xi, seen[0])
             if factor.y is not None:

@@ -232,15 +232,6 @@ class Blocks(Pixels):
 
 
 @dataclass(frozen=True)
-class PlaceDependent(Separable, ABC):
-    """A factor that differs from sample to sample of a picture: the mean over all."""
-
-    @abstractmethod
-    def mean_over(self, law: Law, frequency: Vector, share: float) -> Vector:
-        """Modulus of the mean over the samples in this share of an axis, about its middle."""
-
-
-@dataclass(frozen=True)
 class LineOperator(Linear, ABC):
     """A linear operator along every row (axis x) or every column (axis y), the same on each."""
 

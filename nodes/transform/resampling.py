@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from core.arrays import Array, Vector
 from core.chain.back_transformed import BinMode, back_transform, combine_pixels, sample_pixels
 from core.chain.noise_power import NoisePower, Operator
-from core.chain.step_lineage import Axis, Linear, PlaceDependent, picture_step
+from core.chain.step_lineage import Axis, Linear, picture_step
 from core.chain.wires import Image, Magnitude, Phase
 from core.errors import ParameterError
 from core.evaluation.recipes import Region, Seen, by_region
@@ -226,11 +226,11 @@ class Resampling(Linear):
 
 
 @dataclass(frozen=True)
-class InterpolationMTF(PlaceDependent):
+class InterpolationMTF(Separable):
     """Interpolation's MTF: the new samples lie at several places between the old ones."""
 
     def mean_over(self, law: Law, frequency: Vector, share: float) -> Vector:
-        """Modulus of the mean over the new samples within the share."""
+        """Modulus of the mean over the new samples in this share of an axis, about its middle."""
         how = dict(law.parameters)
         old, new = how["old"], how["new"]
         base, further = taps(old, new, how["order"], None)
