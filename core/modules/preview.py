@@ -19,12 +19,8 @@ Style = Literal["solid", "dashed", "dotted", "dots"]
 _STEPS = (1.0, 2.0, 5.0, 10.0)
 
 
-@dataclass(frozen=True)
-class Tick:
-    """A place on an axis, and what stands there."""
-
-    value: float
-    text: str
+Tick = tuple[float, str]
+"""A place on an axis, and what stands there."""
 
 
 @dataclass(frozen=True)
@@ -63,14 +59,14 @@ class Axis:
         for count in range(first, last + 1):
             value = count * step
             text = f"{value:.2g}" if scientific else f"{value:.{places}f}"
-            ticks.append(Tick(value, signed(text) if count else "0"))
+            ticks.append((value, signed(text) if count else "0"))
         return tuple(ticks)
 
     def _powers(self, most: int) -> tuple[Tick, ...]:
         first = math.ceil(math.log10(self.low) - 1e-9)
         last = math.floor(math.log10(self.high) + 1e-9)
         step = max(1, math.ceil((last - first + 1) / most))
-        return tuple(Tick(10.0**n, power_of_ten(n)) for n in range(first, last + 1, step))
+        return tuple((10.0**n, power_of_ten(n)) for n in range(first, last + 1, step))
 
 
 def round_step(least: float) -> float:
@@ -107,15 +103,6 @@ class Mark:
     dot: bool = True
 
 
-@dataclass(frozen=True)
-class Upright:
-    """A dashed line at a place across, with a text at its top, so many lines down."""
-
-    x: float
-    text: str
-    down: int = 0
-
-
 @dataclass(frozen=True, eq=False)
 class Picture:
     """Samples (rows, columns) from `low`, dark, to `high`, light; row 0 at the top.
@@ -140,7 +127,8 @@ class Plot:
     y: Axis
     curves: tuple[Curve, ...] = ()  # dashed ones on top of the others, then the first
     marks: tuple[Mark, ...] = ()
-    uprights: tuple[Upright, ...] = ()
+    # Dashed lines at places across, each with a text at its top, so many lines down.
+    uprights: tuple[tuple[float, str, int], ...] = ()
     levels: tuple[float, ...] = ()  # heights with a faint line
     band: tuple[float, float] | None = None  # places across between which it is shaded
     square: bool = False

@@ -158,23 +158,23 @@ class Chart:
     def _paint_axes(self, columns: Sequence[Tick], rows: Sequence[Tick]) -> None:
         painter, frame, theme = self._painter, self.frame, self._theme
         line = self._metrics.height()
-        for tick in rows:
-            y = self.at(self._x.low, tick.value).y()
+        for value, text in rows:
+            y = self.at(self._x.low, value).y()
             painter.setPen(_pen(theme.grid, 1.0))
             painter.drawLine(QPointF(frame.left(), y), QPointF(frame.right(), y))
             if not self._y.title or y >= frame.top() + line * 0.3:  # else the title stands there
-                left = frame.left() - self._width(tick.text) - line * 0.3
-                self._write(tick.text, left, y - line / 2, theme.faint_text)
+                left = frame.left() - self._width(text) - line * 0.3
+                self._write(text, left, y - line / 2, theme.faint_text)
         free = -1e9
-        for tick in columns:
-            x = self.at(tick.value, self._y.low).x()
+        for value, text in columns:
+            x = self.at(value, self._y.low).x()
             painter.setPen(_pen(theme.grid, 1.0))
             painter.drawLine(QPointF(x, frame.top()), QPointF(x, frame.bottom()))
-            width = self._width(tick.text)
+            width = self._width(text)
             left = min(x - width / 2, frame.right() + line * 0.5 - width)
             if left >= free:
                 free = left + width + line * 0.4
-                self._write(tick.text, left, frame.bottom() + line * 0.08, theme.faint_text)
+                self._write(text, left, frame.bottom() + line * 0.08, theme.faint_text)
         painter.setPen(_pen(theme.line, 1.0))
         painter.setBrush(Qt.BrushStyle.NoBrush)
         painter.drawRect(frame)
@@ -201,7 +201,7 @@ def ordinate_ticks(y: Axis, height: float, metrics: QFontMetricsF) -> tuple[Tick
 
 
 def room_for_ticks(ticks: Sequence[Tick], metrics: QFontMetricsF) -> float:
-    widest = max((metrics.horizontalAdvance(tick.text) for tick in ticks), default=0.0)
+    widest = max((metrics.horizontalAdvance(text) for _, text in ticks), default=0.0)
     return widest + metrics.height() * 0.4
 
 

@@ -248,7 +248,7 @@ def _paint_plot(
     for level in plot.levels:
         chart.level(level)
     for upright in plot.uprights:
-        chart.upright(upright.x, upright.text, upright.down)
+        chart.upright(*upright)
     order = list(reversed(plot.curves))
     for curve in sorted(order, key=lambda curve: curve.style == "dashed"):
         colour = _colour(theme, curve.colour)

@@ -182,7 +182,7 @@ def _preview(part: Part, x: TransferLine, y: TransferLine, turn: float | None) -
     return preview.Preview(_in_words(part, x, y), (chart,))
 
 
-def _uprights(x: TransferLine, y: TransferLine) -> Iterator[preview.Upright]:
+def _uprights(x: TransferLine, y: TransferLine) -> Iterator[tuple[float, str, int]]:
     """Nyquist frequencies and cutoffs, once where both axes have the same."""
     lines = {0: x, 1: y}
     for name, down, values in (
@@ -192,7 +192,7 @@ def _uprights(x: TransferLine, y: TransferLine) -> Iterator[preview.Upright]:
         one = len({preview.brief(value) for value in values.values()}) == 1
         for number, value in list(values.items())[: 1 if one else 2]:
             which = "" if one else f" {'xy'[number]}"
-            yield preview.Upright(value, f"{name}{which} {preview.brief(value)}", down + number)
+            yield value, f"{name}{which} {preview.brief(value)}", down + number
 
 
 def _in_words(part: Part, x: TransferLine, y: TransferLine) -> str:
