@@ -6,6 +6,7 @@ from math import hypot, inf, pi, sqrt
 
 from core.errors import DataError, ParameterError
 from core.physics.detector import focal_plane_array
+from core.physics.numerics import positive
 from core.physics.radiometry.planck import band_radiance_derivative
 
 
@@ -33,13 +34,8 @@ def g_number(
     Source: Tantalo 1996, eq. 4.54 (F/1.75 with 0.9 and 0.9 gives the published 5.20692); there the
     aperture is clear.
     """
-    _require_positive("f_number", f_number)
-    for name, value in (
-        ("filter_transmission", filter_transmission),
-        ("optics_transmission", optics_transmission),
-    ):
-        if not 0.0 < value <= 1.0:
-            raise ParameterError(name, value, "must be above 0 and at most 1")
+    _check_share("filter_transmission", filter_transmission)
+    _check_share("optics_transmission", optics_transmission)
     cone = focal_plane_array.inverse_sin_squared(f_number=f_number, irradiance=irradiance)
     light = filter_transmission * optics_transmission * pi
     return cone / (light * focal_plane_array.open_share(obscuration_ratio=obscuration_ratio))
@@ -52,11 +48,10 @@ def detector_area_cm2(
 
     Source: the effective area of Tantalo 1996, eqs. 4.51-4.52.
     """
-    _require_positive("pitch_x_um", pitch_x_um, "µm")
-    _require_positive("pitch_y_um", pitch_y_um, "µm")
-    for name, value in (("fill_x", fill_x), ("fill_y", fill_y)):
-        if not 0.0 < value <= 1.0:
-            raise ParameterError(name, value, "must be above 0 and at most 1")
+    positive("pitch_x_um", pitch_x_um, unit="µm")
+    positive("pitch_y_um", pitch_y_um, unit="µm")
+    _check_share("fill_x", fill_x)
+    _check_share("fill_y", fill_y)
     return pitch_x_um * pitch_y_um * fill_x * fill_y * 1e-8
 
 
@@ -69,9 +64,9 @@ def nep_W(  # noqa: N802
 
     Source: Tantalo 1996, eq. 4.52 (power in W; the text says W/sr).
     """
-    _require_positive("area_cm2", area_cm2, "cm²")
-    _require_positive("bandwidth_Hz", bandwidth_Hz, "Hz")
-    _require_positive("d_star", d_star, "cm √Hz/W")
+    positive("area_cm2", area_cm2, unit="cm²")
+    positive("bandwidth_Hz", bandwidth_Hz, unit="Hz")
+    positive("d_star", d_star, unit="cm √Hz/W")
     return sqrt(area_cm2 * bandwidth_Hz) / d_star
 
 
@@ -82,8 +77,8 @@ def ner_W_m2_sr(  # noqa: N802
 
     Source: Tantalo 1996, eq. 4.51.
     """
-    _require_positive("area_cm2", area_cm2, "cm²")
-    _require_positive("g_number", g_number, "1/sr")
+    positive("area_cm2", area_cm2, unit="cm²")
+    positive("g_number", g_number, unit="1/sr")
     return nep_W * g_number / (area_cm2 * 1e-4)
 
 
@@ -119,7 +114,7 @@ def amplifier_noise_radiance(*, reference_radiance: float, snr: float) -> float:
 
     Source: Tantalo 1996, eq. 4.61.
     """
-    _require_positive("snr", snr)
+    positive("snr", snr)
     return abs(reference_radiance) / snr
 
 
@@ -133,9 +128,9 @@ def system_netd_K(  # noqa: N802
     return hypot(amplifier_netd_K, detector_netd_K)
 
 
-def _require_positive(name: str, value: float, unit: str = "") -> None:
-    if not 0.0 < value < inf:
-        raise ParameterError(name, value, "must be above 0 and finite", unit=unit)
+def _check_share(name: str, value: float) -> None:
+    if not 0.0 < value <= 1.0:
+        raise ParameterError(name, value, "must be above 0 and at most 1")
 
 
 # How stages whose transfer functions multiply share in what is lost.

@@ -22,7 +22,7 @@ from core.arrays import Vector
 from core.errors import DataError, ParameterError
 from core.physics.detector.detectivity import ResponseCurve
 from core.physics.numerics import chebyshev_sum, gauss_legendre, positive
-from core.physics.optics.overlap_area import annular_otf
+from core.physics.optics.overlap_area import annular_otf, checked_aperture
 from core.physics.radiometry.planck import SECOND_RADIATION_CONSTANT_M_K
 from core.records import dataclass
 
@@ -471,16 +471,8 @@ def annular_defocus_otf(
     Each is bounded by arcs x = c + R·cos t, whose chords are 2R·sin t. Source: Hopkins 1955, Proc.
     R. Soc. A 231, 91, for the disc; O'Neill 1956, JOSA 46, 285, for the parts of the annulus.
     """
-    inner = float(obscuration_ratio)
-    if not 0.0 <= inner < 1.0:
-        raise ParameterError(
-            "obscuration_ratio", inner, "at least 0 and below 1 (an opening must remain)"
-        )
-    v, w20 = np.broadcast_arrays(
-        np.abs(np.asarray(frequency_ratio, np.float64)), np.abs(np.asarray(w20_waves, np.float64))
-    )
-    if not np.all(np.isfinite(v)):
-        raise DataError("frequency_ratio holds a value that is not finite")
+    sizes, inner = checked_aperture(frequency_ratio, obscuration_ratio)
+    v, w20 = np.broadcast_arrays(sizes, np.abs(np.asarray(w20_waves, np.float64)))
     if not np.all(w20 <= _MOST_WAVES):
         worst = float(w20[~(w20 <= _MOST_WAVES)][0])
         allowed = f"from -{_MOST_WAVES:g} to {_MOST_WAVES:g}"
@@ -490,10 +482,10 @@ def annular_defocus_otf(
     inside = np.flatnonzero(flat < 1.0)
     reach = 1.0 + inner if inner else 1.0 - flat[inside]
     panels = np.ceil(rate[inside] * reach / _PHASE_PER_PANEL).astype(np.int64) + 1
-    sizes = 1 << np.ceil(np.log2(panels)).astype(np.int64)
-    for size in np.unique(sizes):
-        chosen = inside[sizes == size]
-        nodes, weights = _panel_rule(int(size))
+    counts = 1 << np.ceil(np.log2(panels)).astype(np.int64)
+    for count in np.unique(counts):
+        chosen = inside[counts == count]
+        nodes, weights = _panel_rule(int(count))
         step = max(1, _VALUES_PER_BLOCK // len(nodes))
         for start in range(0, chosen.size, step):
             block = chosen[start : start + step]

@@ -156,6 +156,19 @@ def _far_overlap(s: Floats, r: float) -> Floats:
     return area
 
 
+def checked_aperture(frequency_ratio: ArrayLike, obscuration_ratio: float) -> tuple[Floats, float]:
+    """Sizes of frequencies over the cutoff, and the obscuration, which must leave an opening."""
+    ratio = float(obscuration_ratio)
+    if not 0.0 <= ratio < 1.0:
+        raise ParameterError(
+            "obscuration_ratio", ratio, "at least 0 and below 1 (an opening must remain)"
+        )
+    v = np.abs(np.asarray(frequency_ratio, dtype=np.float64))
+    if not np.all(np.isfinite(v)):
+        raise DataError("frequency_ratio holds a value that is not finite")
+    return v, ratio
+
+
 def annular_otf(
     *, frequency_ratio: ArrayLike, obscuration_ratio: float = 0.0
 ) -> NDArray[np.float64]:
@@ -183,14 +196,7 @@ def annular_otf(
     Source: Goodman 2005, Introduction to Fourier Optics, eq. 6-32 (disc); O'Neill 1956, JOSA 46,
     285 (annulus). Relative precision holds up to the cutoff, where arc cosine forms cancel.
     """
-    ratio = float(obscuration_ratio)
-    if not 0.0 <= ratio < 1.0:
-        raise ParameterError(
-            "obscuration_ratio", ratio, "at least 0 and below 1 (an opening must remain)"
-        )
-    v = np.abs(np.asarray(frequency_ratio, dtype=np.float64))
-    if not np.all(np.isfinite(v)):
-        raise DataError("frequency_ratio holds a value that is not finite")
+    v, ratio = checked_aperture(frequency_ratio, obscuration_ratio)
     if ratio == 0.0:
         return disc_overlap_fraction(distance_ratio=v)
     return annulus_overlap_fraction(distance_ratio=v, obscuration_ratio=ratio)
