@@ -18,7 +18,6 @@ from core.evaluation.work import Policy
 from core.modules.declaration import Library
 from core.modules.parameters import Parameter
 from core.network.network import Network
-from core.physics.numerics import brent_root
 from core.records import asdict, dataclass, field
 
 FOR, UNTIL = "--for", "--until"
@@ -236,8 +235,11 @@ class _Search:
 
         low, high = (math.log(value) if on_log else value for value in known)
         if self.wanted not in known.values():
+            from scipy.optimize import brentq  # imported where it is used: start-up time
+
             with suppress(_Gap):
-                brent_root(excess, low=low, high=high)
+                near = 1e-16 * abs(high - low)
+                brentq(excess, low, high, xtol=near, rtol=1e-13, maxiter=200, disp=False)
         self.at = min(known.items(), key=lambda sample: abs(sample[1] - self.wanted))
 
     def _halve(self, low: Sample, high: Sample) -> None:

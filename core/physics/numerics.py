@@ -1,4 +1,4 @@
-"""Checks of parameters and arrays, quadrature, Chebyshev series, roots, sinc.
+"""Checks of parameters and arrays, quadrature, Chebyshev series, sinc.
 
 A check gives the value as a float or an array, or raises a `ParameterError`.
 
@@ -102,6 +102,14 @@ def broadcast(**named: Floats) -> tuple[Floats, ...]:
         raise ParameterError(", ".join(named), shapes, allowed) from cause
 
 
+def along(places: Floats, parameter: str, values: Floats) -> Floats:
+    """The values at places that are called frequency, one at each."""
+    if values.shape != places.shape:
+        allowed = f"{places.shape}, the shape of frequency"
+        raise ParameterError(f"{parameter}.shape", values.shape, allowed)
+    return values
+
+
 def _numbers(parameter: str, values: ArrayLike, allowed: str, unit: str) -> Floats:
     try:
         given = np.asarray(values)
@@ -122,7 +130,7 @@ def _all_of(
     return numbers
 
 
-# Small numerics: quadrature, Chebyshev series, roots, sinc, probability ranges.
+# Small numerics: quadrature, Chebyshev series, sinc, probability ranges.
 
 
 @lru_cache(maxsize=128)
@@ -186,64 +194,6 @@ def chebyshev_sum(coefficients: Floats, places: Floats) -> Floats:
     scratch -= later
     scratch += coefficients[0]
     return scratch
-
-
-# A zero of a function between two places where it has opposite signs.
-
-_ROUNDING = 2.220446049250313e-16
-_TOLERANCE = 1e-13
-_MOST_STEPS = 200  # after which the best place so far is taken
-
-
-def brent_root(function: Callable[[float], float], *, low: float, high: float) -> float:
-    """A zero between places of opposite signs, by inverse interpolation, secants and halving.
-
-    The place is within 1e-13 of the larger of its size and that of the interval. Refused if the
-    function has one sign at both ends (`ParameterError`).
-
-    Source: Brent 1973, Algorithms for Minimization without Derivatives, chapter 4.
-    """
-    before, best = low, high
-    at_before, at_best = function(before), function(best)
-    if at_before == 0.0:
-        return before
-    if at_best != 0.0 and (at_before > 0.0) == (at_best > 0.0):
-        allowed = (
-            "the function must change sign from low to high; its values there are "
-            f"{at_before:g} and {at_best:g}"
-        )
-        raise ParameterError("low, high", (low, high), allowed)
-    other, at_other = before, at_before  # the zero lies between `best` and `other`
-    step = last_step = best - before
-    floor = _TOLERANCE * abs(high - low) * 1e-3
-    for _ in range(_MOST_STEPS):
-        if abs(at_other) < abs(at_best):
-            before, best, other = best, other, best
-            at_before, at_best, at_other = at_best, at_other, at_best
-        near = 2.0 * _ROUNDING * abs(best) + 0.5 * max(_TOLERANCE * abs(best), floor)
-        half = 0.5 * (other - best)
-        if abs(half) <= near or at_best == 0.0:
-            break
-        compared, previous = last_step, step
-        step = last_step = half
-        if abs(compared) >= near and abs(at_before) > abs(at_best):
-            ratio = at_best / at_before
-            if before == other:
-                p, q = 2.0 * half * ratio, 1.0 - ratio
-            else:
-                a, b = at_before / at_other, at_best / at_other
-                p = ratio * (2.0 * half * a * (a - b) - (best - before) * (b - 1.0))
-                q = (a - 1.0) * (b - 1.0) * (ratio - 1.0)
-            p, q = abs(p), -q if p > 0.0 else q
-            if 2.0 * p < min(3.0 * half * q - abs(near * q), abs(compared * q)):
-                step, last_step = p / q, previous
-        before, at_before = best, at_best
-        best += step if abs(step) > near else math.copysign(near, half)
-        at_best = function(best)
-        if (at_best > 0.0) == (at_other > 0.0):
-            other, at_other = before, at_before
-            step = last_step = best - before
-    return best
 
 
 # sin(πx)/(πx), exactly zero at the integers.

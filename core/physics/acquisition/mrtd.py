@@ -67,8 +67,7 @@ def mrtd_ratches_K(  # noqa: N802
     overscan
         Samples N_os per detector element along the bars; the lines lie Δ/N_os apart.
     frames
-        Frames F_R·t_E that the eye averages (`core.physics.acquisition.eye.frames_integrated`), at
-        least 1.
+        Frames F_R·t_E that the eye averages (`frames_integrated`), at least 1.
     spectrum
         Power of the noise in equal cells from zero to the bandwidth, shape (along, across) the
         bars, in any unit; its mean along is taken. None: white.
@@ -240,11 +239,7 @@ def mrtd_two_dimensional(
 def _curve(frequency: ArrayLike, mtf: ArrayLike) -> tuple[Vector, Vector]:
     at = numerics.rising("frequency", frequency, unit="cyc/mrad")
     numerics.positive("frequency[0]", at[0], unit="cyc/mrad")
-    transfer = numerics.all_finite("mtf", mtf)
-    if transfer.shape != at.shape:
-        allowed = f"{at.shape}, the shape of frequency"
-        raise ParameterError("mtf.shape", transfer.shape, allowed)
-    return at, transfer
+    return at, numerics.along(at, "mtf", numerics.all_finite("mtf", mtf))
 
 
 def _threshold(transfer: Vector, noise_K: Vector) -> Vector:
@@ -396,7 +391,7 @@ def mdtd_K(  # noqa: N802
     snr_threshold
         Signal to noise ratio SNR_th at which half of the observers detect, above zero.
     noise_bandwidth_x_cyc_per_mrad, noise_bandwidth_y_cyc_per_mrad
-        Bandwidth of the noise, as for `core.physics.acquisition.eye.spatial_share`.
+        Bandwidth of the noise, as for `spatial_share`.
     frames
         Frames F_R·t_E that the eye averages, at least 1.
     window
@@ -408,8 +403,7 @@ def mdtd_K(  # noqa: N802
         Longest side of the window, mrad; None for no limit. A larger target is no easier to see.
     spectrum
         Power of all temporal noise together in equal cells from zero to the bandwidths, shape
-        (along y, across x), as for `core.physics.acquisition.mrtd.mrtd_flir92_K`. None: σ_tvh is
-        white.
+        (along y, across x), as for `mrtd_flir92_K`. None: σ_tvh is white.
 
     Returns
     -------
@@ -420,12 +414,11 @@ def mdtd_K(  # noqa: N802
     -----
     Ī is the product over both directions of W·∫ sinc(W·ξ)·sinc(w·ξ)·H(ξ) dξ, over negative
     frequencies too. σ_p² = E_x·E_y·(E_t·σ_tvh² + σ_vh²) + E_x·(E_t·σ_th² + σ_h²) +
-    E_y·(E_t·σ_tv² + σ_v²), E_t = 1/(F_R·t_E), E_x and E_y of
-    `core.physics.acquisition.eye.spatial_share`; what a whole frame has in common (σ_t) does not
-    hide a target. With a spectrum E_t·(σ_tvh² + σ_th² + σ_tv² +
-    σ_t²)·`core.physics.acquisition.eye.coloured_share` takes the place of all terms with E_t. MDTD
-    falls as one over W, the root of the area, for targets larger than blur and samples, and as one
-    over the area W² for targets smaller than both (`image`: smaller than the blur).
+    E_y·(E_t·σ_tv² + σ_v²), E_t = 1/(F_R·t_E), E_x and E_y of `spatial_share`; what a whole frame
+    has in common (σ_t) does not hide a target. With a spectrum E_t·(σ_tvh² + σ_th² + σ_tv² +
+    σ_t²)·`coloured_share` takes the place of all terms with E_t. MDTD falls as one over W, the root
+    of the area, for targets larger than blur and samples, and as one over the area W² for targets
+    smaller than both (`image`: smaller than the blur).
 
     Source: Ratches et al. 1975, ECOM-7043 (temporal noise, the target's window); Scott and
     D'Agostino 1992, Proc. SPIE 1689, 194 (noise in three dimensions). The equations' numbers could
@@ -440,13 +433,10 @@ def mdtd_K(  # noqa: N802
     limit = math.inf
     if eye_limit_mrad is not None:
         limit = numerics.positive("eye_limit_mrad", eye_limit_mrad, unit="mrad")
-    transfers = []
-    for name, mtf in (("mtf_x", mtf_x), ("mtf_y", mtf_y)):
-        transfer = numerics.all_finite(name, mtf)
-        if transfer.shape != at.shape:
-            allowed = f"{at.shape}, the shape of frequency"
-            raise ParameterError(f"{name}.shape", transfer.shape, allowed)
-        transfers.append(transfer)
+    transfers = [
+        numerics.along(at, name, numerics.all_finite(name, mtf))
+        for name, mtf in (("mtf_x", mtf_x), ("mtf_y", mtf_y))
+    ]
     *sides, intensity = _blurred(size, at, transfers, window, limit)
     bandwidths = noise_bandwidth_x_cyc_per_mrad, noise_bandwidth_y_cyc_per_mrad
     left = _variance_left(noise, sides, bandwidths, 1.0 / frame_count(frames), spectrum)

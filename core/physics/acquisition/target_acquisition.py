@@ -18,6 +18,7 @@ from core.physics.numerics import (
     all_above_zero,
     all_finite,
     all_from_zero,
+    along,
     broadcast,
     gauss_legendre,
     positive,
@@ -355,10 +356,7 @@ def resolvable_frequency(*, frequency: ArrayLike, mrtd_K: ArrayLike, apparent_K:
 def _resolved_part(frequency: ArrayLike, mrtd_K: ArrayLike) -> tuple[Floats, Floats]:
     """Frequencies and MRTD, checked, from the first finite sample to the next infinite one."""
     places = rising("frequency", frequency, unit="cyc/mrad")
-    curve = all_from_zero("mrtd_K", mrtd_K, unit="K", infinite=True)
-    if curve.shape != places.shape:
-        allowed = f"{places.shape}, the shape of frequency"
-        raise ParameterError("mrtd_K.shape", curve.shape, allowed)
+    curve = along(places, "mrtd_K", all_from_zero("mrtd_K", mrtd_K, unit="K", infinite=True))
     finite = np.isfinite(curve)
     first = int(np.argmax(finite)) if finite.any() else len(curve)
     end = first + int(np.argmin(finite[first:])) if not finite[first:].all() else len(curve)
@@ -463,10 +461,7 @@ def ttp_values(*, frequency: ArrayLike, ctf: ArrayLike) -> Callable[..., Any]:
     may be one between two.
     """
     places = rising("frequency", frequency, unit="cyc/mrad")
-    curve = all_from_zero("ctf", ctf, infinite=True)
-    if curve.shape != places.shape:
-        allowed = f"{places.shape}, the shape of frequency"
-        raise ParameterError("ctf.shape", curve.shape, allowed)
+    curve = along(places, "ctf", all_from_zero("ctf", ctf, infinite=True))
     zeros = np.flatnonzero((curve == 0.0) & (places > 0.0))
     if len(zeros):
         raise ParameterError(f"ctf[{zeros[0]}]", 0.0, "above 0 at every frequency above 0")

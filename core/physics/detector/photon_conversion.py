@@ -300,6 +300,7 @@ class PhotonWeights:
         """Temperature of the black body whose light, or counted photons, give this mean, K."""
         if self.used != "spectrum":
             return float(self._dimmed.temperature(mean))
+        from scipy.optimize import brentq  # imported where it is used: start-up time
 
         def above(logarithm: float) -> float:
             photons = float(self._counted.photons(math.exp(logarithm)))
@@ -311,7 +312,7 @@ class PhotonWeights:
                 f"no black body from {_COLDEST_K:g} to {_HOTTEST_K:g} K gives {mean:.6g} "
                 "photons/s/m²/sr"
             )
-        return math.exp(numerics.brent_root(above, low=low, high=high))
+        return math.exp(brentq(above, low, high, xtol=1e-16 * (high - low), rtol=1e-13))
 
     def per_kelvin(self, temperature_K: float) -> float:
         """Derivative of that light, or of those photons, by the temperature."""

@@ -5,12 +5,12 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+import scipy.optimize
 
 from core.physics.atmosphere import scattering_and_turbulence as atmosphere
 from core.physics.detector import detector_mtf as charge_transfer
 from core.physics.detector import detector_mtf as detector
 from core.physics.detector import readout as electronics
-from core.physics.numerics import brent_root
 from core.physics.optics import blur as gaussian
 from core.physics.sampling import detector_sampling as sampling
 from core.physics.sampling import platform_motion as motion
@@ -111,7 +111,7 @@ def _lowpass(v):
     def beyond_half_power(xi):
         return _at(electronics.lowpass_mtf(**{**given, "frequency": np.array([xi])})) ** 2 - 0.5
 
-    corner = brent_root(beyond_half_power, low=0.0, high=1e4)
+    corner = scipy.optimize.brentq(beyond_half_power, 0.0, 1e4, xtol=1e-13, rtol=1e-13)
     return {
         "mtf": _at(electronics.lowpass_mtf(**given)),
         "ptf_rad": _at(electronics.lowpass_ptf(**given)),
