@@ -35,7 +35,7 @@ from nodes.detector.spectral_response import (
     response_preview,
 )
 from nodes.shared import context_defaults
-from nodes.shared.context_defaults import F_NUMBER_NEAR, NEAR, Band, alike
+from nodes.shared.context_defaults import F_NUMBER_NEAR, NEAR, Band, alike, filled_band
 from nodes.shared.module_ports import TableFigures, passed_factors
 from nodes.shared.steps import difference, picture_range
 
@@ -280,7 +280,7 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
         known = image.band_um or context.band_um
         if known is None:
             return None
-        low, high = self._passed(known)
+        low, high = filled_band(self.cut_on_um, self.cut_off_um, known)
         if low >= known[0] * (1 - NEAR) and high <= known[1] * (1 + NEAR):
             return None
         lost = "not counted" if image.bands is not None else "extrapolated with a black body"
@@ -296,7 +296,7 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
         known, cutoff = image.band_um or context.band_um, self.material_cutoff_um
         if known is None or self.response is not None or not cutoff:
             return None
-        low, high = self._passed(known)
+        low, high = filled_band(self.cut_on_um, self.cut_off_um, known)
         if high <= cutoff * (1 + NEAR):
             return None
         return Caution(
@@ -412,7 +412,7 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
         known = image.band_um or context.band_um
         if known is None:
             return None
-        low, high = self._passed(known)
+        low, high = filled_band(self.cut_on_um, self.cut_off_um, known)
         for factor, bound in _laws(image):
             band: Any = bound.get("cut_on_um"), bound.get("cut_off_um")
             # The cutoff of the optics goes as 1 over the wavelength, as it goes as 1 over the
@@ -426,10 +426,6 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
                     f"{factor.node} too, or use a picture with the filter's band",
                 )
         return None
-
-    def _passed(self, known: Band) -> Band:
-        low = known[0] if self.cut_on_um is None else self.cut_on_um
-        return low, known[1] if self.cut_off_um is None else self.cut_off_um
 
     @warning
     def spectrum(self, image: Image, context: Context) -> Caution | None:

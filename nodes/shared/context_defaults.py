@@ -132,6 +132,12 @@ def given_band(
     return low, high
 
 
+def filled_band(cut_on_um: float | None, cut_off_um: float | None, of_image: Band) -> Band:
+    """The module's own band, each empty end from the image's, whatever they are."""
+    low, high = of_image
+    return low if cut_on_um is None else cut_on_um, high if cut_off_um is None else cut_off_um
+
+
 def with_interval(image: Image, context: Context) -> Image:
     """The image with its sampling interval: of the field of view where it has none."""
     if image.interval_x_mrad is not None and image.interval_y_mrad is not None:
@@ -215,11 +221,10 @@ def unit_warning(meant: str) -> Any:
 @warning
 def band_warning(module: Any, image: Image) -> Caution | None:
     """The band entered here differs from the picture's band."""
-    picture, cut_on_um, cut_off_um = image.band_um, module.cut_on_um, module.cut_off_um
-    if picture is None or (cut_on_um is None and cut_off_um is None):
+    picture = image.band_um
+    if picture is None or (module.cut_on_um is None and module.cut_off_um is None):
         return None
-    low = picture[0] if cut_on_um is None else cut_on_um
-    high = picture[1] if cut_off_um is None else cut_off_um
+    low, high = filled_band(module.cut_on_um, module.cut_off_um, picture)
     both = min(high, picture[1]) - max(low, picture[0])
     whole = max(high, picture[1]) - min(low, picture[0])
     if both >= _BANDS_ALIKE * whole:
@@ -253,14 +258,13 @@ def wavelength_caution(
 @warning
 def middle_warning(module: Any, context: Context) -> Caution | None:
     """Diffraction is computed for wavelengths outside the picture's band."""
-    picture, cut_on_um, cut_off_um = context.band_um, module.cut_on_um, module.cut_off_um
-    if picture is None or (cut_on_um is None and cut_off_um is None):
+    picture = context.band_um
+    if picture is None or (module.cut_on_um is None and module.cut_off_um is None):
         return None
-    low = picture[0] if cut_on_um is None else cut_on_um
-    high = picture[1] if cut_off_um is None else cut_off_um
+    middle = sum(filled_band(module.cut_on_um, module.cut_off_um, picture)) / 2
     name = "the band centre, (cut_on_um + cut_off_um)/2"
     ends = "cut_on_um and cut_off_um"
-    return wavelength_caution(picture, (low + high) / 2, name=name, empty=ends)
+    return wavelength_caution(picture, middle, name=name, empty=ends)
 
 
 def apart_caution(
