@@ -437,15 +437,11 @@ class TdiMTF(MtfModule, key="tdi_mtf", title="TDI MTF", group="Detector"):
             law = Law.of(physics.tdi_askew_mtf, drift=drift, direction=self.direction, **how)
             askew = Planar(law, symmetric=False, label=self.title, node=here.node)
             return self.mtf_outputs(magnitude, askew)
-        along = how if self.direction == "y" else None
-        across = how if self.direction == "x" else None
-        return self.separated(magnitude, here, physics.tdi_mtf, x=across, y=along)
+        return self.separated(magnitude, here, physics.tdi_mtf, **{self.direction: how})
 
     def _how(self, context: Context) -> dict[str, Any]:
-        name = f"detector_{self.direction}_um"
-        own = {"detector_y_um": self.detector_um, "detector_x_um": self.detector_um}
         pitch_mrad = ifov_mrad(
-            pitch_um=given(name, own[name], context),
+            pitch_um=given(f"detector_{self.direction}_um", self.detector_um, context),
             focal_length_mm=given("focal_length_mm", self.focal_length_mm, context),
         )
         return {
