@@ -31,7 +31,7 @@ def atomic_file(path: str | os.PathLike[str]) -> Iterator[Path]:
         yield temporary
         if mode is not None:
             temporary.chmod(mode)
-        _flush(temporary, os.O_RDWR)
+        flush(temporary, os.O_RDWR)
         temporary.replace(target)
     except OSError as error:
         _remove(temporary)
@@ -40,7 +40,7 @@ def atomic_file(path: str | os.PathLike[str]) -> Iterator[Path]:
         _remove(temporary)
         raise
     with contextlib.suppress(OSError):  # the rename itself, where a folder can be opened
-        _flush(target.parent, os.O_RDONLY)
+        flush(target.parent, os.O_RDONLY)
 
 
 def write_bytes(path: str | os.PathLike[str], content: bytes) -> None:
@@ -117,7 +117,8 @@ def _create_beside(target: Path) -> Path:
     return temporary
 
 
-def _flush(path: Path, mode: int) -> None:
+def flush(path: Path, mode: int) -> None:
+    """Have the system write a file to the disk, where a full one shows at the latest."""
     descriptor = os.open(path, mode)
     try:
         os.fsync(descriptor)

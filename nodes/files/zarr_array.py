@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from core.arrays import Array
-from core.atomic import FOLDER_PREFIX, LOCK, new_mark, sweep, take
+from core.atomic import FOLDER_PREFIX, LOCK, flush, new_mark, sweep, take
 from core.errors import FileError, how_to_install
 from core.machine import Empty
 from core.records import dataclass
@@ -276,7 +276,8 @@ def write_store(
         )
         for part in _parts(rows, columns, chunk, 1):
             array[part] = samples[part]
-        _flush(folder)
+        for file in filter(Path.is_file, folder.rglob("*")):
+            flush(file, os.O_RDONLY)
 
 
 def check_zarr(path: Path) -> None:
@@ -385,17 +386,6 @@ def _parts(
     for top in range(0, rows, high):
         for left in range(0, columns, wide):
             yield slice(top, min(top + high, rows)), slice(left, min(left + wide, columns))
-
-
-def _flush(folder: Path) -> None:
-    """Have the system write the store's files to the disk, where a full one shows at the latest."""
-    for file in folder.rglob("*"):
-        if file.is_file():
-            descriptor = os.open(file, os.O_RDONLY)
-            try:
-                os.fsync(descriptor)
-            finally:
-                os.close(descriptor)
 
 
 def _line(error: BaseException) -> str:
