@@ -338,10 +338,7 @@ class MtfTable:
     file: Path
     unit: str | None
     frequencies: Column
-    columns: tuple[tuple[str, Column], ...]
-
-    def column(self, name: str) -> Column | None:
-        return dict(self.columns).get(name)
+    columns: Mapping[str, Column]
 
 
 @read_once
@@ -365,7 +362,7 @@ def read_mtf_table(path: Path, *, field: int = 0) -> MtfTable:
     for name, unit in zip(names[1:], units[1:], strict=True):
         if unit == "deg":
             named[name] = tuple(map(math.radians, named[name]))
-    return MtfTable(path, units[0] or None, frequencies, tuple(sorted(named.items())))
+    return MtfTable(path, units[0] or None, frequencies, named)
 
 
 def unit_of(text: str) -> str | None:
@@ -467,5 +464,4 @@ def _zemax(file: Path, lines: Sequence[tuple[int, str]], field: int) -> MtfTable
         raise FileError(f"{file}: there is no field {field} in this listing; allowed: {allowed}")
     names = ("frequency", "mtf_y", "mtf_x")
     frequencies, tangential, sagittal = _columns(file, fields[field], names, ("",) * 3)
-    columns: Mapping[str, Column] = {"mtf_x": sagittal, "mtf_y": tangential}
-    return MtfTable(file, unit, frequencies, tuple(columns.items()))
+    return MtfTable(file, unit, frequencies, {"mtf_x": sagittal, "mtf_y": tangential})

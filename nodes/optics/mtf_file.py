@@ -177,7 +177,7 @@ class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics")
     def _curves(self, table: MtfTable, kind: Literal["mtf", "phase"]) -> Curves:
         """Points by direction: x and y, or radial alone."""
         names = MTF_COLUMNS if kind == "mtf" else PHASE_COLUMNS
-        columns = [(name, table.column(name)) for name in names]
+        columns = [(name, table.columns.get(name)) for name in names]
         curves: Curves = {}
         for name, values in columns:
             direction = self._direction(name)

@@ -104,9 +104,9 @@ def test_every_encoding_and_line_end(tmp_path, encoding, newline):
     table = read_mtf_table(path)
     assert table.unit == "cyc/mm"
     assert table.frequencies == (0.0, 10.0, 20.0)
-    assert table.column("mtf_y") == (1.0, 0.7, 0.2)
-    assert table.column("phase_x") == pytest.approx(np.radians([0.0, 5.0, 9.0]))
-    assert table.column("mtf") is None
+    assert table.columns["mtf_y"] == (1.0, 0.7, 0.2)
+    assert table.columns["phase_x"] == pytest.approx(np.radians([0.0, 5.0, 9.0]))
+    assert "mtf" not in table.columns
 
 
 @pytest.mark.parametrize(
@@ -122,7 +122,7 @@ def test_ways_to_name_the_columns(tmp_path, heading):
     path.write_text(f"# a lens\n{heading}\n0{mark}1\n\n5{mark}0.5\n", encoding="utf-8")
     table = read_mtf_table(path)
     assert table.unit == "cyc/mm"
-    assert table.column("mtf") == (1.0, 0.5)
+    assert table.columns["mtf"] == (1.0, 0.5)
 
 
 @pytest.mark.parametrize("text", [TABLE, LISTING], ids=["table", "listing"])
