@@ -122,11 +122,11 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
             return ImageOutput(self._cube(source, here.node, missing=self.missing))
         spectral = stated is not None and is_spectral(info)
         band = 0 if spectral else self._channel(info)
-        unit = sample_unit(info, typed=self.unit, scale=self.scale, integrated=spectral)
+        unit, factor = sample_unit(info, typed=self.unit, scale=self.scale, integrated=spectral)
         recipe = source_file.read_step(
             source,
             band=band,
-            scale=self.scale * unit.factor,
+            scale=self.scale * factor,
             offset=self.offset,
             node=here.node,
             interval_um=stated if spectral else None,
@@ -137,7 +137,7 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
         if spectral:
             known |= {"bad_bands": len(info.bad_bands), "coverage": coverage(info, stated)}
         of_band = stated or header_band(info, band)
-        return ImageOutput(self._picture(info, recipe, unit.name, of_band, **known))
+        return ImageOutput(self._picture(info, recipe, unit, of_band, **known))
 
     def _channel(self, info: PictureInfo) -> int | tuple[int, ...]:
         if self.bands != "luminance":
@@ -162,9 +162,9 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
         if cube:
             return ImageOutput(self._cube(held, node))
         checked_band(self.band, 1, info.path)
-        unit = sample_unit(info, typed=self.unit, scale=self.scale, integrated=False)
-        recipe = held.step(scale=self.scale * unit.factor, offset=self.offset, node=node)
-        return ImageOutput(self._picture(info, recipe, unit.name, self._stated_band()))
+        unit, factor = sample_unit(info, typed=self.unit, scale=self.scale, integrated=False)
+        recipe = held.step(scale=self.scale * factor, offset=self.offset, node=node)
+        return ImageOutput(self._picture(info, recipe, unit, self._stated_band()))
 
     def _cube(
         self, cube: source_file.Cube, node: str, missing: source_file.Missing = "refuse"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,11 +23,8 @@ from nodes.files.picture_info import PictureInfo
 DEFAULT_UNIT = "W/m²/sr"
 
 
-class SampleUnit(NamedTuple):
-    """The unit of the samples once they are multiplied by the factor."""
-
-    name: str
-    factor: float
+SampleUnit = tuple[str, float]
+"""The unit of the samples once they are multiplied by the factor."""
 
 
 def is_spectral(info: PictureInfo) -> bool:
@@ -62,7 +59,7 @@ def sample_unit(info: PictureInfo, *, typed: str, scale: float, integrated: bool
             return _of_typed(info, typed, own, integrated)
         raise
     if stored is None:
-        return _of_typed(info, typed, own, integrated) if chosen else SampleUnit(info.unit, 1.0)
+        return _of_typed(info, typed, own, integrated) if chosen else (info.unit, 1.0)
     file_unit = stored.integrated if integrated else stored
     if not chosen and file_unit.photons:
         raise FileError(
@@ -73,7 +70,7 @@ def sample_unit(info: PictureInfo, *, typed: str, scale: float, integrated: bool
     if chosen and (own is None or own.name != file_unit.name):
         allowed = f"give a unit of the same kind as the file's unit, {info.unit}, or give scale"
         raise ParameterError("unit", typed, allowed)
-    return SampleUnit(file_unit.name, file_unit.factor)
+    return file_unit.name, file_unit.factor
 
 
 def spectral_unit(info: PictureInfo, *, typed: str, scale: float) -> RadianceUnit | None:
@@ -126,9 +123,9 @@ def _of_typed(
     info: PictureInfo, typed: str, own: RadianceUnit | None, integrated: bool
 ) -> SampleUnit:
     if own is None:
-        return SampleUnit(typed, 1.0)
+        return typed, 1.0
     if not integrated or not own.spectral:
-        return SampleUnit(own.name, own.factor)
+        return own.name, own.factor
     if own.spectral != "µm":
         raise ParameterError(
             "unit",
@@ -138,7 +135,7 @@ def _of_typed(
     # The sum over the bands took the samples per µm, or as the file gives it.
     stored = radiance_unit(info.unit) if info.unit else None
     taken = stored.per_um if stored is not None else 1.0
-    return SampleUnit(RadianceUnit(1.0, own.photons).name, own.factor / taken)
+    return RadianceUnit(1.0, own.photons).name, own.factor / taken
 
 
 _REMEDY = "give the samples' unit, such as K or DN, or the scale that converts them to W/m²/sr"
