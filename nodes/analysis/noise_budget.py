@@ -18,7 +18,6 @@ from nodes.shared.module_ports import TableFigures
 Kind = Literal["all", "temporal", "fixed"]
 _NOTHING = 1e-20  # of the variance: what a source of two kinds has so little of, it has not
 _ROUNDING = 1e-12
-_LINES = (lineage.Line.at(0.0), lineage.Line.at(90.0))
 
 
 @dataclass(frozen=True)
@@ -114,7 +113,8 @@ def blur_shares(
 ) -> BlurShares:
     """Shares of the stages at a frequency across and one along; those that do nothing left out."""
     moduli = []
-    for line, cyc_per_mrad in zip(_LINES, frequency, strict=True):
+    lines = lineage.HORIZONTAL, lineage.VERTICAL
+    for line, cyc_per_mrad in zip(lines, frequency, strict=True):
         work.check()
         place = np.array([cyc_per_mrad])
         values = (abs(float(lineage.stage_along(work, s, "mtf", line, place)[0])) for s in stages)
