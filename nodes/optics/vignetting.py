@@ -18,12 +18,11 @@ from core.modules.declaration import Module, NodeContext, readout, warning
 from core.modules.parameters import Caution, Formula, Section, param
 from core.physics.optics.field import MOST_DEG, microlens_response, relative_illumination
 from core.records import dataclass
-from core.transfer.factors import Grid
+from core.transfer.factors import Grid, Law
 from nodes.files.curve_tables import read_heights
 from nodes.shared.module_ports import ImageOutput
 from nodes.shared.steps import stepped
 
-Law = tuple[tuple[str, Any], ...]
 _BRIGHTEST = 2.0  # times the axis: some wide lenses gain a little before they fall
 _POINTS = 129
 _BLOCK_SAMPLES = 1 << 18
@@ -121,32 +120,31 @@ class Vignetting(LightOverField, key="vignetting", title="Vignetting", group="Op
         return ImageOutput(darkened(image, law, here))
 
     def law(self, image: Image, here: NodeContext) -> Law:
-        law: dict[str, Any] = {"function": relative_illumination, "natural": self.natural}
-        law["scale"] = None
-        if self.measured == "none":
-            return tuple(law.items())
-        if self.against == "half_diagonal":
-            law["scale"] = 1.0 / corner(image.grid())
-        elif self.against == "height_mm":
+        bound: dict[str, Any] = {"natural": self.natural, "scale": None}
+        if self.measured != "none" and self.against == "half_diagonal":
+            bound["scale"] = 1.0 / corner(image.grid())
+        elif self.measured != "none" and self.against == "height_mm":
             of_camera = None if image.camera is None else image.camera.focal_length_mm
-            law["scale"] = self.focal_length_mm or of_camera
-            if law["scale"] is None:
+            bound["scale"] = self.focal_length_mm or of_camera
+            if bound["scale"] is None:
                 raise ParameterError("focal_length_mm", None, "give a value here or on Camera")
         if self.measured == "polynomial":
-            return (*law.items(), ("coefficients", self.coefficients))
-        assert self.path is not None
-        file, unit = here.folder / self.path, _UNITS[self.against]
-        return (*law.items(), *curve(file, "heights", unit, "relative illumination"))
+            bound["coefficients"] = self.coefficients
+        elif self.measured == "file":
+            assert self.path is not None
+            file, unit = here.folder / self.path, _UNITS[self.against]
+            bound["heights"], bound["values"] = curve(file, unit, "relative illumination")
+        return Law(relative_illumination, tuple(bound.items()))
 
     @warning
     def short_table(self, outputs: ImageOutput) -> Caution | None:
         """The curve in the file ends before the corner of the picture."""
         if self.measured != "file":
             return None
-        grid, how = _planned(outputs)
-        end, law = corner(grid), dict(how)
-        reached = np.degrees(np.arctan(end)) if law["scale"] is None else end * law["scale"]
-        last = law["heights"][-1]
+        grid, law = _planned(outputs)
+        end, bound = corner(grid), dict(law.parameters)
+        reached = np.degrees(np.arctan(end)) if bound["scale"] is None else end * bound["scale"]
+        last = bound["heights"][-1]
         if reached <= last * (1.0 + 1e-6):
             return None
         unit = _UNITS[self.against]
@@ -161,12 +159,13 @@ class Vignetting(LightOverField, key="vignetting", title="Vignetting", group="Op
         return not self.natural and self.measured == "none"
 
 
-def curve(file: Path, against: str, unit: str, what: str) -> Law:
+def curve(file: Path, unit: str, what: str) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Heights in the field from 0 on, and the values there."""
     points = read_heights(file, unit=unit, what=what, low=0.0, high=_BRIGHTEST)
     places, values = zip(*points, strict=True)
     if places[0] > 0.0:
-        places, values = (0.0, *places), (1.0, *values)
-    return (against, places), ("values", values)
+        return (0.0, *places), (1.0, *values)
+    return places, values
 
 
 def _planned(outputs: ImageOutput) -> tuple[Grid, Law]:
@@ -185,13 +184,7 @@ def _half_sides(grid: Grid) -> tuple[float, float]:
 
 
 def _profile(grid: Grid, law: Law) -> Array:
-    return _light(np.linspace(0.0, corner(grid), _POINTS), law)
-
-
-def _light(tangent: Array, law: Law) -> Array:
-    how = dict(law)
-    light: Array = how.pop("function")(tangent=tangent, **how)
-    return light
+    return law(None, tangent=np.linspace(0.0, corner(grid), _POINTS))
 
 
 @lru_cache(maxsize=64)
@@ -202,12 +195,12 @@ def _means(grid: Grid, law: Law) -> tuple[float, float]:
         half * (2.0 * np.arange(count) + 1.0 - count) / count
         for half, count in ((half_x, min(grid.columns, _POINTS)), (half_y, min(grid.rows, _POINTS)))
     )
-    light = _light(np.hypot(x, y[:, np.newaxis]), law)
+    light = law(None, tangent=np.hypot(x, y[:, np.newaxis]))
     return float(light.mean()), math.sqrt(float(np.square(light).mean()))
 
 
 def darkened(image: Image, law: Law, here: NodeContext) -> Image:
-    """The picture times a law of the tangent of the field angle: a function and its arguments."""
+    """The picture times a law of the tangent of the field angle."""
     grid = image.grid()
     step, mean = here.step(lit, image.recipe, grid=grid, law=law), _means(grid, law)[0]
     return stepped(image, step, gain=mean, vignetting=image.vignetting * mean)
@@ -244,7 +237,7 @@ def lit(work: Work, region: Region, image: Seen, *, grid: Grid, law: Law) -> Arr
     def block(top: int) -> None:
         rows = slice(top, top + step)
         tangent = np.sqrt(np.square(x) + np.square(y[rows, np.newaxis]))
-        light = _light(tangent, law)
+        light = law(None, tangent=tangent)
         np.multiply(samples[rows], light.astype(samples.dtype), out=made[rows])
 
     step = max(1, _BLOCK_SAMPLES // region.columns)
@@ -320,16 +313,17 @@ class MicrolensAngle(LightOverField, key="microlens", title="Microlens Angle", g
         return ImageOutput(darkened(image, self._law(image, here), here))
 
     def _law(self, image: Image, here: NodeContext) -> Law:
-        law: dict[str, Any] = {
-            "function": microlens_response,
+        bound: dict[str, Any] = {
             "corner": corner(image.grid()),
             "chief_ray_deg": self.chief_ray_deg,
             "matched_deg": self.matched_deg,
         }
         if self.response == "half_angle":
-            return (*law.items(), ("half_response_deg", self.half_response_deg))
-        assert self.path is not None
-        return (*law.items(), *curve(here.folder / self.path, "angles", "deg", "response"))
+            bound["half_response_deg"] = self.half_response_deg
+        else:
+            assert self.path is not None
+            bound["angles"], bound["values"] = curve(here.folder / self.path, "deg", "response")
+        return Law.of(microlens_response, **bound)
 
     @property
     def off(self) -> bool:
