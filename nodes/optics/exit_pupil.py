@@ -180,23 +180,15 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
         if self.path is None and self.wavefront_path is None:
             allowed = "the shape `file` needs a pupil in path, or a map in wavefront_path"
             raise ParameterError("path", None, allowed)
-        given = {
-            name: lens_source(path, here)
-            for name, path in (("path", self.path), ("wavefront_path", self.wavefront_path))
-            if path is not None
-        }
-        opening, wavefront = given.get("path"), given.get("wavefront_path")
-        if opening is not None and wavefront is None:
-            return self._of_opening(opening, here)
-        assert wavefront is not None
-        return self._of_map(wavefront, opening, here)
-
-    def _of_opening(self, opening: LensSource, here: NodeContext) -> Pupil:
-        """A transmission, or a complex one, which has its wavefront with it."""
+        opening = None if self.path is None else lens_source(self.path, here)
+        if self.wavefront_path is not None:
+            return self._of_map(lens_source(self.wavefront_path, here), opening, here)
+        assert opening is not None
         samples = here.step(loaded_opening, **opening.reading)
         pupil = self._pupil(samples, opening.rows, opening.columns, None, self.radius)
         if not opening.is_complex:
             return pupil
+        # A complex transmission has its wavefront with it.
         wavefront = here.step(loaded_phase, **opening.reading)
         return replace(
             pupil, wavefront=wavefront, wavefront_um=self.map_wavelength_um, wrapped=True
