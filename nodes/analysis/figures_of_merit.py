@@ -16,6 +16,7 @@ from nodes.analysis import threshold_curves
 from nodes.analysis.lineage import NoiseOf, transfer_of
 from nodes.shared.context_defaults import (
     NEAR,
+    Band,
     alike,
     band_warning,
     given_band,
@@ -280,7 +281,7 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
         )
         sampled = self._sampled(context)
         threshold_step = here.step(threshold_curves.thresholds, seen, sampled=sampled, **sensor)
-        task = replace(self._task(grid), air=_air(image, context), band_um=band_um)
+        task = self._task(grid, _air(image, context), band_um)
         reached = here.step(
             threshold_curves.acquisition, threshold_step, seen, task=task, grid=grid
         )
@@ -352,7 +353,7 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
         along_flight = scanning == "parallel_scan" and context.platform == "push"
         return scanning == "staring" or along_flight, not along_flight
 
-    def _task(self, grid: Grid) -> threshold_curves.Task:
+    def _task(self, grid: Grid, air: tuple[AirPath, ...], band_um: Band) -> threshold_curves.Task:
         field_deg = math.degrees(grid.columns * grid.interval_x_mrad / 1000.0)
         return threshold_curves.Task(
             size_m=self.target_size_m,
@@ -368,6 +369,8 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
             ttp_threshold=self.ttp_threshold,
             seconds_per_frame=self.eye_integration_s / self._frames(),
             seconds_fixed=self.eye_integration_s if self.model == "flir92" else 0.0,
+            air=air,
+            band_um=band_um,
         )
 
     figures = TableFigures(

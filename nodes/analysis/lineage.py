@@ -164,11 +164,11 @@ class ImageTransfer:
     grid: Grid
     source_grid: Grid
     source: Recipe
-    gain: float | None = 1.0
-    area_means: bool = False
-    levels: tuple[Recipe, ...] = ()
-    gain_before: float = 1.0
-    reflectance: float | None = None
+    gain: float | None
+    area_means: bool
+    levels: tuple[Recipe, ...]
+    gain_before: float
+    reflectance: float | None
 
     @property
     def factors(self) -> tuple[Factor, ...]:
@@ -244,8 +244,8 @@ class ImageNoise:
 
     terms: tuple[NoiseTerm, ...]
     mean: float
-    unknown: tuple[str, ...] = ()
-    spectrum: Array | None = field(default=None, compare=False)
+    unknown: tuple[str, ...]
+    spectrum: Array | None = field(compare=False)
 
     @property
     def total(self) -> NoiseVariances:

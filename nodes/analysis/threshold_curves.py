@@ -275,11 +275,11 @@ class Task:
     display_deg: float
     magnification: float
     range_max_km: float | None
-    ttp_threshold: TtpForm = "mrtd"
-    seconds_per_frame: float = 0.0
-    seconds_fixed: float = 0.0
-    air: tuple[AirPath, ...] = ()
-    band_um: tuple[float, float] = (8.0, 12.0)
+    ttp_threshold: TtpForm
+    seconds_per_frame: float
+    seconds_fixed: float
+    air: tuple[AirPath, ...]
+    band_um: tuple[float, float]
 
     def apparent_K(self, range_m: Any, background_K: float) -> Any:  # noqa: N802
         """What is left of the target's difference at ranges, by the air of its own range."""

@@ -40,7 +40,7 @@ class Collection:
     optics_K: float | None
     housing_K: float | None
     dark_e: float
-    vignetting: float = 1.0
+    vignetting: float
 
     def of_pixels(self, count: int) -> Collection:
         return replace(
