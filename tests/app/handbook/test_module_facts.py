@@ -1,4 +1,4 @@
-"""Formulas and numbers of the modules' pages, which a better sentence must not change.
+"""Formulas, numbers and ranges of the modules' pages, which a better sentence must not change.
 
 `module_facts.json` holds them, a line for each module; after a change that is meant, write it anew
 with `python tests/app/handbook/test_module_facts.py`.
@@ -21,15 +21,17 @@ _NUMBER = re.compile(
 
 
 def facts_of(declared):
-    """Formulas as they are written, units, and how often each number stands in the texts."""
+    """Formulas as they are written, units, ranges, how often each number stands in the texts."""
     texts = [declared.text, *(formula.where for formula in declared.formulas)]
     texts += [formula.when for formula in declared.formulas]
     texts += [parameter.param.text for parameter in declared.parameters]
     texts += [readout.meaning for readout in declared.readouts]
     units = {p.name: p.param.unit for p in declared.parameters if p.param.unit}
+    ranges = {p.name: [p.allowed(), *(p.param.slider or ())] for p in declared.parameters}
     return {
         "formulas": [formula.tex for formula in declared.formulas],
         "units": units | {r.name: r.unit for r in declared.readouts if r.unit},
+        "ranges": {name: said for name, said in ranges.items() if said != ["true or false"]},
         "numbers": dict(sorted(Counter(_NUMBER.findall(" ".join(texts))).items())),
     }
 
@@ -43,7 +45,7 @@ def kept():
     return json.loads(FILE.read_text(encoding="utf-8"))
 
 
-def test_formulas_units_and_numbers_are_those_kept(kept):
+def test_formulas_units_ranges_and_numbers_are_those_kept(kept):
     found = present()  # a new module needs no line yet
     assert kept.keys() <= found.keys()
     assert {key: (kept[key], found[key]) for key in kept if kept[key] != found[key]} == {}

@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QWidget
 from scipy import constants, integrate
 
 from app.editor.panels.preview_view import NOTHING, PreviewView, preview_query
-from app.editor.panels.transfer_preview import transfer_lines
+from app.editor.panels.transfer_preview import TransferPreviewQuery, transfer_lines
 from app.run.shipped import shipped_networks
 from battery_settings import EXAMPLES
 from core.editing.operations import remove_nodes, set_parameter
@@ -373,3 +373,36 @@ def test_an_aperture_is_shown_up_to_its_cutoff():
         ratio = line.frequency / 7.5
         disc = 2 / np.pi * (np.arccos(ratio) - ratio * np.sqrt(1 - ratio**2))
         np.testing.assert_allclose(line.values, disc, atol=1e-9)
+
+
+TRANSFER = {
+    "jitter_mtf": {"sigma_mrad": 0.6},
+    "vibration_mtf": {"amplitude_x_mrad": 2.0, "amplitude_y_mrad": 1.0},  # J₀: below 0
+    "gaussian_mtf": {"sigma_x_mrad": 0.01, "sigma_y_mrad": 0.02},  # hardly any blur
+    "charge_eff_phase": {"model": "published", "efficiency": 0.999},
+}
+
+
+@pytest.mark.parametrize("key", TRANSFER)
+def test_a_transfer_function_fills_its_chart_and_marks_lie_on_it(key):
+    part = "ptf" if key.endswith("phase") else "mtf"
+    seen = passing(sensor(key, TRANSFER[key]))
+    (chart,) = TransferPreviewQuery("node", part).answer(seen).parts
+    lines = transfer_lines(seen, "node", part)
+    values = np.concatenate([line.values for line in lines])
+    span = chart.y.reach - chart.y.low
+    assert chart.y.low <= values.min()
+    assert chart.y.reach >= values.max()
+    assert chart.y.high == pytest.approx(chart.y.reach + 0.22 * span)  # room for words
+    assert np.ptp(values) >= 0.07 * span if key == "gaussian_mtf" else np.ptp(values) >= 0.4 * span
+    assert chart.x.low == 0.0
+    assert chart.x.high == pytest.approx(1.03 * max(line.nyquist for line in lines))
+    for curve in chart.curves:
+        if curve.name:
+            line = lines["xy".index(curve.name[0])]
+            np.testing.assert_array_equal(curve.y, line.values)
+    for mark in chart.marks:
+        assert np.abs(
+            np.interp(mark.x, lines[mark.colour].frequency, lines[mark.colour].values)
+        ) == (pytest.approx(0.5, abs=1e-3))
+    assert {upright.x for upright in chart.uprights} == {line.nyquist for line in lines}

@@ -4,8 +4,8 @@ import csv
 
 import numpy as np
 import pytest
-from PySide6.QtCore import QPointF, Qt
-from PySide6.QtGui import QColor
+from PySide6.QtCore import QEvent, QPointF, Qt
+from PySide6.QtGui import QColor, QKeyEvent
 
 from app.editor.evaluation.queries import Answer
 from app.editor.theme import DARK, LIGHT
@@ -234,3 +234,60 @@ def test_a_measured_mtf_marks_half_a_cycle_per_pixel(window, idle):
     idle(window)
     (mark,) = plot.canvas.drawing.marks
     assert mark.x == 0.5
+
+
+def test_keys_read_along_a_curve_and_from_curve_to_curve(shown, qtbot):
+    """Each step is a hundredth of the abscissa, ten with Shift; nothing is read beyond its ends."""
+    canvas = shown(NOW).canvas
+    read = []
+    canvas.read.connect(read.append)
+
+    def press(key, modifier=Qt.KeyboardModifier.NoModifier):
+        qtbot.keyClick(canvas, key, modifier)
+        place, _, value = read[-1].partition(" cyc/mrad   ")
+        title, value = value.split(": ")
+        assert canvas.plots[0].cursor.value() == pytest.approx(float(place), abs=1e-4)
+        return title.removesuffix(", MTF"), float(place), float(value)
+
+    keys, shift = Qt.Key, Qt.KeyboardModifier.ShiftModifier
+    assert press(keys.Key_Right) == ("optics", 0.01, 0.99)
+    assert press(keys.Key_Right, shift) == ("optics", 0.11, 0.89)
+    assert press(keys.Key_Down) == ("detector", 0.11, 0.945)
+    assert press(keys.Key_Up) == ("optics", 0.11, 0.89)
+    assert press(keys.Key_Up) == ("jitter", 0.11, 0.9725)  # from the first to the last
+    assert press(keys.Key_Left) == ("jitter", 0.1, 0.975)
+    assert press(keys.Key_Left, shift) == ("jitter", 0.0, 1.0)
+    assert press(keys.Key_Left) == ("jitter", 0.0, 1.0)
+    canvas.set_limits(False, 0.2, 0.4)
+    assert canvas.limits(False) == pytest.approx((0.2, 0.4))
+    passed_on = QKeyEvent(QEvent.Type.KeyPress, keys.Key_Q, Qt.KeyboardModifier.NoModifier)
+    canvas.keyPressEvent(passed_on)
+    assert not passed_on.isAccepted()
+    assert not canvas.framed
+    press(keys.Key_F)
+    assert canvas.limits(False) == pytest.approx((-0.02, 1.02))
+
+
+@pytest.mark.parametrize("lines", [1, 2])
+@pytest.mark.parametrize("height", [250, 900])
+def test_bars_of_a_group_touch_and_groups_stand_apart(shown, lines, height):
+    """Lower or higher: six dots between groups, and no bar above one and a half lines of text."""
+    plot = shown(bars(*[[10.0, 40.0, 30.0]] * lines), size=(640, height)).canvas.bars
+    group = plot.getViewBox().height() / len(NAMES)
+    places = np.array([bar.opts["y"] for bar in plot.bars])
+    thick = plot.bars[0].opts["height"] * group / 0.94
+    assert places.mean(axis=0) == pytest.approx([0.0, 1.0, 2.0])
+    assert np.diff(places, axis=0) * group == pytest.approx(thick)
+    widest = 1.5 * plot._metrics.height()
+    assert thick == pytest.approx(min(widest, (group - 6) / lines))
+    assert plot.least_height >= len(NAMES) * (lines * plot._metrics.height() + 6)
+
+
+def test_logarithmic_bars_begin_at_the_decade_below_the_least(shown):
+    plot = shown(bars([20.0, 300.0, 0.0], log=True)).canvas.bars
+    assert plot.bars[0].opts["x0"] == pytest.approx([1.0, 1.0, 1.0])
+    assert plot.bars[0].opts["x1"] == pytest.approx([*np.log10([20.0, 300.0]), 1.0])
+    assert plot.getViewBox().viewRange()[0] == pytest.approx([1.0, np.log10(300.0)])
+    assert plot.getAxis("bottom").labelText == "share (%), logarithmic"
+    texts = [text for _, text in plot.getAxis("right")._tickLevels[0]]
+    assert texts == ["20", "300", "0"]
