@@ -15,6 +15,7 @@ from app.tradeoff.tradeoff_results import Figure, PointEvaluator, named_figure, 
 from core.chain.engine import Engine, Plan
 from core.errors import DataError, ParameterError, UsageError, in_line
 from core.evaluation.work import Policy
+from core.kernels import brentq
 from core.modules.declaration import Library
 from core.modules.parameters import Parameter
 from core.network.network import Network
@@ -235,11 +236,8 @@ class _Search:
 
         low, high = (math.log(value) if on_log else value for value in known)
         if self.wanted not in known.values():
-            from scipy.optimize import brentq  # imported where it is used: start-up time
-
             with suppress(_Gap):
-                near = 1e-16 * abs(high - low)
-                brentq(excess, low, high, xtol=near, rtol=1e-13, maxiter=200, disp=False)
+                brentq(excess, low, high, xtol=1e-16 * abs(high - low), rtol=1e-13)
         self.at = min(known.items(), key=lambda sample: abs(sample[1] - self.wanted))
 
     def _halve(self, low: Sample, high: Sample) -> None:

@@ -65,6 +65,16 @@ def test_special_functions_equal_those_of_scipy(name):
     assert np.asarray(kernels.special(name)(*places)).tobytes() == np.asarray(public).tobytes()
 
 
+@pytest.mark.parametrize("kernel", [True, False], ids=["compiled", "public"])
+def test_roots_equal_those_of_scipy(kernel, monkeypatch):
+    if not kernel:
+        monkeypatch.setattr(kernels, "_compiled", lambda *_: None)
+    near = {"xtol": 1e-16, "rtol": 1e-13}
+    for function, low, high in ((np.cos, 0.0, 3.0), (lambda x: x**3 - 2.0, -9.0, 9.0)):
+        public = scipy.optimize.brentq(function, low, high, **near)
+        assert kernels.brentq(function, low, high, **near) == public
+
+
 RACE = """
 import threading, time
 import numpy as np

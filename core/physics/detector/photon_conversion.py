@@ -8,6 +8,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+from core import kernels
 from core.arrays import Array, Floats
 from core.errors import DataError, ParameterError
 from core.physics import numerics
@@ -300,7 +301,6 @@ class PhotonWeights:
         """Temperature of the black body whose light, or counted photons, give this mean, K."""
         if self.used != "spectrum":
             return float(self._dimmed.temperature(mean))
-        from scipy.optimize import brentq  # imported where it is used: start-up time
 
         def above(logarithm: float) -> float:
             photons = float(self._counted.photons(math.exp(logarithm)))
@@ -312,7 +312,7 @@ class PhotonWeights:
                 f"no black body from {_COLDEST_K:g} to {_HOTTEST_K:g} K gives {mean:.6g} "
                 "photons/s/m²/sr"
             )
-        return math.exp(brentq(above, low, high, xtol=1e-16 * (high - low), rtol=1e-13))
+        return math.exp(kernels.brentq(above, low, high, xtol=1e-16 * (high - low), rtol=1e-13))
 
     def per_kelvin(self, temperature_K: float) -> float:
         """Derivative of that light, or of those photons, by the temperature."""
