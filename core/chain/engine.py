@@ -69,10 +69,9 @@ class PlannedNode:
             return ()
         known = {**self.inputs, "outputs": self.result, "given": frozenset(self.node.params)}
         results = []
-        for check in self.declaration.warnings:
-            method = getattr(self.module, check.name)
-            bound = partial(method, *(known[name] for name in check.needs))
-            results.append(checked(bound, node=self.node.id, check=check.name))
+        for check, needs in self.declaration.warnings:
+            bound = partial(getattr(self.module, check), *(known[name] for name in needs))
+            results.append(checked(bound, node=self.node.id, check=check))
         if not type(self.module).counts_bands:
             results.append(sum_caution(self.inputs, self.outputs, node=self.node.id))
         return tuple(result for result in results if result is not None)
@@ -117,7 +116,6 @@ class Plan:
         return planned.outputs[output]
 
     def node(self, name: str) -> PlannedNode:
-        """The planned node of that id."""
         if name not in self.nodes:
             known = ", ".join(self.nodes) or "none"
             raise NetworkError(f"the network has no node {name!r}; its nodes: {known}")

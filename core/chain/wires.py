@@ -217,7 +217,6 @@ class Image:
         return replace(self, **{"recipe": recipe, "bands": None, **changes})
 
     def grid(self) -> Grid:
-        """Sampling of the image."""
         if self.interval_x_mrad is None or self.interval_y_mrad is None:
             raise DataError(
                 "the image has no sampling interval: set fov_x_deg and fov_y_deg on the node that "

@@ -111,17 +111,11 @@ class Readout:
 
 
 @dataclass(frozen=True)
-class WarningCheck:
-    """A method that warns, without keeping a node from running; `name` is the method's."""
-
-    name: str
-    meaning: str
-    needs: tuple[str, ...]
-
-
-@dataclass(frozen=True)
 class Declaration:
-    """All that is known of a module without running it."""
+    """All that is known of a module without running it.
+
+    `warnings` are the names of the methods that warn, each with what it needs.
+    """
 
     key: str
     title: str
@@ -135,7 +129,7 @@ class Declaration:
     sink: bool
     panel: tuple[Section, ...]
     readouts: tuple[Readout, ...] = ()
-    warnings: tuple[WarningCheck, ...] = ()
+    warnings: tuple[tuple[str, tuple[str, ...]], ...] = ()
     replaces: tuple[str, ...] = ()
     formulas: tuple[Formula, ...] = ()
     without_formula: str = ""
@@ -168,9 +162,7 @@ def readout(
     """
 
     def mark(method: Callable[..., Any]) -> Callable[..., Any]:
-        method.readout_unit = unit  # type: ignore[attr-defined]
-        method.readout_name = name  # type: ignore[attr-defined]
-        method.readout_unit_of = unit_of  # type: ignore[attr-defined]
+        vars(method).update(readout_unit=unit, readout_name=name, readout_unit_of=unit_of)
         return method
 
     return mark
@@ -250,7 +242,6 @@ class Module:
 
 
 def declaration(module: type[Module]) -> Declaration:
-    """Derive the declaration of a module from its class."""
     untyped: Any = module  # mypy finds a class of frozen dataclasses unhashable
     return _derive(untyped)
 
@@ -259,6 +250,7 @@ def declaration(module: type[Module]) -> Declaration:
 def _derive(module: Any) -> Declaration:
     text = inspect.cleandoc(module.__doc__ or "")
     parameters = _parameters(module)
+    warnings = {name: needs for name, _, _, needs in _marked(module, "is_warning")}
     try:
         panel = complete(module.panel, [parameter.name for parameter in parameters])
     except TypeError as error:
@@ -271,7 +263,7 @@ def _derive(module: Any) -> Declaration:
         outputs=_outputs(module),
         parameters=parameters,
         readouts=_readouts(module),
-        warnings=_warnings(module),
+        warnings=tuple(warnings.items()),
         panel=panel,
         **{name: getattr(module, name) for name in (*own, "formulas", "without_formula")},
     )
@@ -354,12 +346,6 @@ def _marked(module: type[Module], mark: str) -> Iterator[tuple[str, Any, str, tu
             if hasattr(method, mark):
                 meaning = " ".join(inspect.cleandoc(method.__doc__ or "").split())
                 yield name, method, meaning, tuple(inspect.signature(method).parameters)[1:]
-
-
-def _warnings(module: type[Module]) -> tuple[WarningCheck, ...]:
-    marked = _marked(module, "is_warning")
-    checks = {name: WarningCheck(name, meaning, needs) for name, _, meaning, needs in marked}
-    return tuple(checks.values())
 
 
 def _readouts(module: type[Module]) -> tuple[Readout, ...]:

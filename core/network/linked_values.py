@@ -192,6 +192,7 @@ class _Survey:
         self.network = network
         self.library = library
         self.nodes = {**network.aside, **network.nodes}
+        self.parameters: dict[_Place, Parameter] = {}
         self.parsed: dict[_Place, expressions.Expression] = {}
         self.values: dict[_Place, Any] = {}
         self.faults: dict[_Place, LinkError] = {}
@@ -206,12 +207,13 @@ class _Survey:
         for node in self.nodes.values():
             for name in node.linked:
                 place = (node.id, name)
-                parameter = self._parameter(*place)
+                module = self.library.get(node.module)
+                parameter = declaration(module).parameter(name) if module is not None else None
                 if parameter is None:
                     continue
-                raw = node.params[name]
+                self.parameters[place] = parameter
                 try:
-                    self.parsed[place] = _parsed(raw, parameter)
+                    self.parsed[place] = _parsed(node.params[name], parameter)
                 except expressions.ExpressionError as error:
                     self._refuse(place, error.message)
 
@@ -237,8 +239,7 @@ class _Survey:
                 self._evaluate(place)
 
     def _evaluate(self, place: _Place) -> None:
-        parameter = self._parameter(*place)
-        assert parameter is not None
+        parameter = self.parameters[place]
         try:
             value = expressions.value_of(
                 self.parsed[place], unit=parameter.param.unit, lookup=self._value_of_reference
@@ -252,18 +253,12 @@ class _Survey:
             self.values[place] = plain(coerced)
 
     def _refuse(self, place: _Place, why: str) -> None:
-        parameter = self._parameter(*place)
-        assert parameter is not None
         node, name = place
         raw = self.nodes[node].params[name]
-        self.faults[place] = LinkError(parameter, raw, why, node=node)
+        self.faults[place] = LinkError(self.parameters[place], raw, why, node=node)
 
     def _place(self, reference: expressions.Reference) -> _Place:
         return self.network.parameter_behind(reference.node, reference.parameter)
-
-    def _parameter(self, node: str, name: str) -> Parameter | None:
-        module = self.library.get(self.nodes[node].module)
-        return declaration(module).parameter(name) if module is not None else None
 
     def _value_of_reference(self, reference: expressions.Reference) -> float:
         text = reference.text
