@@ -29,7 +29,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable
 from functools import partial
 from inspect import Parameter, signature
-from typing import Any, Literal, TypeVar
+from typing import Any, Literal, TypeVar, cast
 
 import numpy as np
 
@@ -445,8 +445,7 @@ class Lineage:
 
 def lineage_of(recipe: Recipe) -> Lineage | None:
     """What becomes of a picture in a recipe; None where nothing behind it can be followed."""
-    lineage: Lineage | None = recipe.lineage
-    return lineage
+    return cast("Lineage | None", recipe.lineage)
 
 
 def picture_step(

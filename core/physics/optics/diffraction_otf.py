@@ -505,8 +505,7 @@ def _shared(v: Vector, k: Vector, inner: float, nodes: Vector, weights: Vector) 
         angle = first[:, np.newaxis] + width[:, np.newaxis] * nodes
         x = centre[:, np.newaxis] + radius * np.cos(angle)
         values = np.sin(angle) ** 2 * np.cos(k[:, np.newaxis] * x)
-        made: Vector = 2.0 * radius**2 * width * (values @ weights)
-        return made
+        return np.asarray(2.0 * radius**2 * width * (values @ weights))
 
     zero = np.zeros_like(v)
     area = 2.0 * arc(-v, 1.0, zero, 1.0 - v)

@@ -20,8 +20,7 @@ def arc_half_angle(*, radius: ArrayLike, disc_radius: ArrayLike, distance: Array
     """
     own, disc, apart = (np.asarray(v, dtype=np.float64) for v in (radius, disc_radius, distance))
     adjacent = (own - disc) * (own + disc) + apart * apart
-    angle: Floats = np.arctan2(_four_triangle_areas(own, disc, apart), adjacent)
-    return angle
+    return np.asarray(np.arctan2(_four_triangle_areas(own, disc, apart), adjacent))
 
 
 def _four_triangle_areas(a: Floats, b: Floats, c: Floats) -> Floats:
@@ -31,8 +30,7 @@ def _four_triangle_areas(a: Floats, b: Floats, c: Floats) -> Floats:
     x, z = np.maximum(high, c), np.minimum(low, c)
     y = np.maximum(low, np.minimum(high, c))
     product = (x + (y + z)) * (z - (x - y)) * (z + (x - y)) * (x + (y - z))
-    area: Floats = np.sqrt(np.maximum(product, 0.0))
-    return area
+    return np.asarray(np.sqrt(np.maximum(product, 0.0)))
 
 
 def angle_minus_sine(angle: ArrayLike) -> Floats:
@@ -62,8 +60,7 @@ def disc_overlap_fraction(*, distance_ratio: ArrayLike) -> Floats:
     slight = (v > _SLIGHT) & (v < 1.0)
     if slight.any():
         fraction[slight] = angle_minus_sine(2.0 * half[slight]) / np.pi
-    overlap: Floats = fraction.reshape(np.shape(distance_ratio))
-    return overlap
+    return np.asarray(fraction.reshape(np.shape(distance_ratio)))
 
 
 _SLIGHT = 0.9  # beyond it the segments' angle and sine cancel
@@ -109,8 +106,7 @@ def _overlap_inside(s: Floats, r: float) -> Floats:
     Neither inner disc may reach beyond the other's outer one.
     """
     missing = _missing_of_disc(s / 2.0) + r * r * _missing_of_disc(s / (2.0 * r))
-    area: Floats = np.pi * ((1.0 - r) * (1.0 + r)) - missing
-    return area
+    return np.asarray(np.pi * ((1.0 - r) * (1.0 + r)) - missing)
 
 
 def _near_overlap(s: Floats, r: float) -> Floats:
@@ -121,15 +117,13 @@ def _near_overlap(s: Floats, r: float) -> Floats:
     tip = np.arctan2(_four_triangle_areas(np.ones(1), np.full(1, r), s), 1.0 + r * r - s * s)
     ring = (1.0 - r) * (1.0 + r)
     lunes = 2.0 * r * r * (tip - np.cos(2.0 * seen + tip) * np.sin(tip))
-    area: Floats = _overlap_inside(s, r) + lunes - ring * angle_minus_sine(2.0 * seen)
-    return area
+    return np.asarray(_overlap_inside(s, r) + lunes - ring * angle_minus_sine(2.0 * seen))
 
 
 def _missing_of_disc(ratio: Floats) -> Floats:
     """Area of a unit disc outside its copy, moved by `ratio` diameters."""
     t = np.minimum(ratio, 1.0)
-    area: Floats = 2.0 * (np.arcsin(t) + t * np.sqrt((1.0 - t) * (1.0 + t)))
-    return area
+    return np.asarray(2.0 * (np.arcsin(t) + t * np.sqrt((1.0 - t) * (1.0 + t))))
 
 
 def _two_kites(s: Floats, r: float) -> Floats:
@@ -143,8 +137,7 @@ def _two_kites(s: Floats, r: float) -> Floats:
     inner_arc = arc_half_angle(radius=r, disc_radius=1.0, distance=s)
     inner_arc = inner_arc - arc_half_angle(radius=r, disc_radius=r, distance=s)
     segments = angle_minus_sine(np.abs(arc)) - r * r * angle_minus_sine(np.abs(inner_arc))
-    area: Floats = straight + 2.0 * segments
-    return area
+    return np.asarray(straight + 2.0 * segments)
 
 
 def _far_overlap(s: Floats, r: float) -> Floats:
@@ -152,8 +145,7 @@ def _far_overlap(s: Floats, r: float) -> Floats:
     lens = angle_minus_sine(2.0 * arc_half_angle(radius=1.0, disc_radius=1.0, distance=s))
     seen = angle_minus_sine(2.0 * arc_half_angle(radius=1.0, disc_radius=r, distance=s))
     back = angle_minus_sine(2.0 * arc_half_angle(radius=r, disc_radius=1.0, distance=s))
-    area: Floats = lens - seen - r * r * back
-    return area
+    return np.asarray(lens - seen - r * r * back)
 
 
 def checked_aperture(frequency_ratio: ArrayLike, obscuration_ratio: float) -> tuple[Floats, float]:
@@ -218,8 +210,7 @@ def half_disc_overlap_area(*, radius: float, lag_x: ArrayLike, lag_y: ArrayLike)
     crossed = crossed - 0.5 * (a * chord + angle)
     segment = 0.5 * np.pi - (a * chord + angle)
     area = np.maximum(np.where(x > a, crossed, (y < 0.0) * segment), 0.0)
-    result: Floats = np.where(square == 0.0, 0.5 * np.pi, area) * radius**2
-    return result
+    return np.asarray(np.where(square == 0.0, 0.5 * np.pi, area) * radius**2)
 
 
 # The lens that a disc and a moved disc have in common: its area, whole and within a band.
@@ -327,8 +318,7 @@ class Band:
 
 def half_chord(radius: float, place: Floats | float) -> Floats:
     """Half the chord of a circle at a distance from its centre, 0 beyond it."""
-    chord: Floats = np.sqrt(np.maximum((radius - place) * (radius + place), 0.0))
-    return chord
+    return np.asarray(np.sqrt(np.maximum((radius - place) * (radius + place), 0.0)))
 
 
 def half_segment(radius: float, place: Floats | float) -> Floats:
@@ -336,8 +326,7 @@ def half_segment(radius: float, place: Floats | float) -> Floats:
     t = np.minimum(np.maximum(place, -radius), radius)
     chord = half_chord(radius, t)
     # Not the arc sine: near the rim it would magnify the quotient's rounding.
-    area: Floats = 0.5 * (t * chord + radius**2 * np.arctan2(t, chord))
-    return area
+    return np.asarray(0.5 * (t * chord + radius**2 * np.arctan2(t, chord)))
 
 
 @dataclass(frozen=True)
@@ -436,5 +425,4 @@ def _left_of(
         behind = moved**2 * (high - 2.0 * np.pi) - part.kite - (skew - at_end)
         twice += np.where(high > 2.0 * np.pi - end, behind, 0.0)
     length = np.minimum(rest, along + chord) - np.maximum(-rest, along - chord)
-    area: Floats = 0.5 * (twice + edge * np.maximum(length, 0.0))
-    return area
+    return np.asarray(0.5 * (twice + edge * np.maximum(length, 0.0)))

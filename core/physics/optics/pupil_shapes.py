@@ -274,5 +274,4 @@ def part_of(values: NDArray[np.float64], place: tuple[slice, slice]) -> NDArray[
     rows, columns = (
         lines if size > 1 else slice(None) for lines, size in zip(place, values.shape, strict=True)
     )
-    part: Floats = values[rows, columns]
-    return part
+    return np.asarray(values[rows, columns])

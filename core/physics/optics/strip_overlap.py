@@ -146,8 +146,7 @@ def _circle_moment(pupil: StripPupil, radius: float, moved: _Moved | None) -> Fl
     moment = radius**2 * np.sum(end - start, axis=0)
     if moved is not None:
         moment -= 0.5 * radius * apart * np.sum(np.sin(end) - np.sin(start), axis=0)
-    result: Floats = moment
-    return result
+    return np.asarray(moment)
 
 
 def _strip_arcs(
@@ -171,8 +170,7 @@ def _strip_arcs(
 
 def _arcsine(length: Floats, radius: float) -> Floats:
     x = np.clip(length, -radius, radius)
-    angle: Floats = np.arctan2(x, np.sqrt((radius - x) * (radius + x)))
-    return angle
+    return np.asarray(np.arctan2(x, np.sqrt((radius - x) * (radius + x))))
 
 
 def _edge_moment(
@@ -203,8 +201,7 @@ def _edge_moment(
             opaque.append((np.where(covered, begin, _FAR), _FAR))
         arm = -side * (offset - 0.5 * across)
     start, end = open_gaps(window=(low, high), opaque=opaque)
-    moment: Floats = arm * np.sum(end - start, axis=0)
-    return moment
+    return np.asarray(arm * np.sum(end - start, axis=0))
 
 
 def _turned(pupil: StripPupil, strip: Strip) -> list[Strip]:
@@ -226,8 +223,7 @@ def _end_moment(pupil: StripPupil, moved: _Moved | None) -> Floats:
     covered = along < 0.0 if moved.leaning > 0 else along <= 0.0
     opaque.append((np.where(covered, strip.low + across, _FAR), strip.high + across))
     start, end = open_gaps(window=(low, high), opaque=opaque)
-    moment: Floats = -0.5 * along * np.sum(end - start, axis=0)
-    return moment
+    return np.asarray(-0.5 * along * np.sum(end - start, axis=0))
 
 
 def _add_discs(

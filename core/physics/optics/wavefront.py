@@ -10,6 +10,7 @@ from core import kernels
 from core.arrays import Array, Complex
 from core.errors import DataError, ParameterError
 from core.kernels import special
+from core.physics.numerics import finite
 
 HIGHEST_NOLL_INDEX = 861  # 40 radial orders; beyond, samples of a pupil do not resolve them
 
@@ -51,8 +52,7 @@ def zernike(*, noll_index: int, x: ArrayLike, y: ArrayLike) -> NDArray[np.float6
     azimuthal = (x + 1j * y) ** order
     part = azimuthal.imag if m < 0 else azimuthal.real
     scale = math.sqrt(n + 1) if m == 0 else math.sqrt(2 * (n + 1))
-    value: NDArray[np.float64] = scale * radial * part
-    return value
+    return np.asarray(scale * radial * part)
 
 
 def wavefront_waves(
@@ -68,14 +68,10 @@ def wavefront_waves(
     1 (piston) on, in waves rms. `defocus_waves` is W20, the defocus at the rim: W = W20 (x² + y²).
     """
     x, y = np.asarray(x, dtype=np.float64), np.asarray(y, dtype=np.float64)
-    if not math.isfinite(defocus_waves):
-        raise ParameterError("defocus_waves", defocus_waves, "a finite number", unit="waves")
-    waves = np.zeros(np.broadcast_shapes(x.shape, y.shape)) + defocus_waves * (x * x + y * y)
+    w20 = finite("defocus_waves", defocus_waves, unit="waves")
+    waves = np.zeros(np.broadcast_shapes(x.shape, y.shape)) + w20 * (x * x + y * y)
     for index, coefficient in enumerate(coefficients_waves, start=1):
-        if not math.isfinite(coefficient):
-            name = f"coefficients_waves[{index}]"
-            raise ParameterError(name, coefficient, "a finite number", unit="waves")
-        if coefficient != 0.0:
+        if finite(f"coefficients_waves[{index}]", coefficient, unit="waves") != 0.0:
             waves += coefficient * zernike(noll_index=index, x=x, y=y)
     return np.asarray(waves, dtype=np.float64)
 
