@@ -216,6 +216,17 @@ def sinc(x: ArrayLike) -> NDArray[np.float64]:
     return np.asarray(np.where(argument == 0.0, 1.0, wave / scale), dtype=np.float64)
 
 
+def mean_of_waves(turns: Floats, count: int) -> Floats:
+    """Mean of a wave at `count` places `turns` apart, about their middle: sin(πnt)/(n·sin(πt)).
+
+    Signed, with all digits where sin(πt) is next to 0.
+    """
+    whole = np.rint(turns)
+    rest = turns - whole
+    odd = (count % 2 == 0) & (whole % 2 != 0)
+    return np.where(odd, -1.0, 1.0) * sinc(count * rest) / sinc(rest)
+
+
 # The range up to which a probability that falls with the range is at least the one wanted.
 
 NEAREST_M, FARTHEST_M = 1e-3, 1e9  # between which ranges are looked for

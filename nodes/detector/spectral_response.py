@@ -21,11 +21,10 @@ from core.modules.parameters import Caution, Formula, Section, param
 from core.modules.preview import Axis, Curve, Mark, Plot, Preview, brief
 from core.physics.detector.detectivity import ResponseCurve
 from core.physics.detector.photon_conversion import (
-    PHOTON_ENERGY_J_UM,
     SHORTEST_THERMAL_UM,
     QuantumEfficiency,
 )
-from core.physics.radiometry.planck import brightness_temperature
+from core.physics.radiometry.planck import PHOTON_ENERGY_J_UM, brightness_temperature
 from core.physics.radiometry.spectra import SUNLIGHT_K
 from nodes.files.curve_tables import read_wavelengths
 from nodes.shared.context_defaults import Band, unit_warning

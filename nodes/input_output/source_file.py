@@ -20,7 +20,7 @@ from core.evaluation.recipes import Recipe, Step, in_blocks
 from core.evaluation.work import Work
 from core.machine import Empty
 from core.modules.declaration import NodeContext
-from core.physics.detector.photon_conversion import PHOTON_ENERGY_J_UM
+from core.physics.radiometry.planck import PHOTON_ENERGY_J_UM
 from core.physics.radiometry.radiance_units import RadianceUnit
 from core.records import dataclass, field
 from nodes.files import envi

@@ -15,7 +15,7 @@ from core.physics.numerics import positive, within
 from core.physics.radiometry.planck import (
     BOLTZMANN_J_K,
     ELEMENTARY_CHARGE_C,
-    PLANCK_J_S,
+    PHOTON_ENERGY_J_UM,
     SECOND_RADIATION_CONSTANT_M_K,
     SECOND_RADIATION_CONSTANT_UM_K,
     SPEED_OF_LIGHT_M_S,
@@ -34,7 +34,6 @@ SpectralFunction = Callable[[Floats], Floats]
 STANDARD_HALF_ANGLE_DEG = 30.0
 """Half of the 60° field of view that makers state D* for."""
 
-_HC_J_UM = PLANCK_J_S * SPEED_OF_LIGHT_M_S * 1e6
 _COLDEST_K = 1.0
 _PANEL_X = 2.0
 _PANEL_RATIO = 1.5
@@ -51,7 +50,7 @@ def quantum_efficiency(wavelength_um: ArrayLike, *, material: Material) -> Float
         first = float(wavelength[~(wavelength > 0.0)].flat[0])
         raise ParameterError("wavelength_um", first, "must be above 0", unit="µm")
     if material.fowler_per_eV:
-        photon_eV = _HC_J_UM / ELEMENTARY_CHARGE_C / wavelength
+        photon_eV = PHOTON_ENERGY_J_UM / ELEMENTARY_CHARGE_C / wavelength
         excess = 1.0 - wavelength / material.cut_off_um
         efficiency = np.minimum(material.fowler_per_eV * photon_eV * excess**2, 1.0)
     else:
@@ -100,7 +99,7 @@ def d_star(
             "is not known. Enter D* instead"
         )
         raise ParameterError("background_K", background_K, allowed, unit="K")
-    per_joule = efficiency * np.asarray(wavelength_um, dtype=float) / _HC_J_UM
+    per_joule = efficiency * np.asarray(wavelength_um, dtype=float) / PHOTON_ENERGY_J_UM
     return np.asarray(100.0 * per_joule / sqrt(events))
 
 
@@ -157,9 +156,7 @@ def cold_shield_half_angle_deg(*, f_number: float) -> float:
 
     Source: the same cone as in the throughput number, Tantalo 1996, eq. 4.54.
     """
-    if not 0.0 < f_number < float("inf"):
-        raise ParameterError("f_number", f_number, "must be above 0 and finite")
-    return degrees(float(np.arctan2(1.0, 2.0 * f_number)))
+    return degrees(float(np.arctan2(1.0, 2.0 * positive("f_number", f_number))))
 
 
 def _require_background(background_K: float) -> None:

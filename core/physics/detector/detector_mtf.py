@@ -12,7 +12,15 @@ from numpy.typing import ArrayLike, NDArray
 from core.arrays import Floats
 from core.errors import ParameterError
 from core.kernels import special
-from core.physics.numerics import all_from_zero, finite, non_negative, positive, sinc, within
+from core.physics.numerics import (
+    all_from_zero,
+    finite,
+    mean_of_waves,
+    non_negative,
+    positive,
+    sinc,
+    within,
+)
 
 MODELS = ("exact", "published", "leading")
 
@@ -177,7 +185,7 @@ def tdi_mtf(
     step = pitch / phases
     smear = sinc((1.0 + mismatch) * step * place + step * across)
     shifts = mismatch * step * place + step * across
-    return np.asarray(smear * _mean_of_shifts(shifts, stages * phases))
+    return np.asarray(smear * mean_of_waves(shifts, stages * phases))
 
 
 def tdi_askew_mtf(
@@ -198,14 +206,6 @@ def image_motion(*, velocity_mismatch: float, yaw_deg: float) -> tuple[float, fl
     mismatch = finite("velocity_mismatch", velocity_mismatch)
     along = mismatch * math.cos(angle) - 2.0 * math.sin(0.5 * angle) ** 2
     return along, (1.0 + mismatch) * math.sin(angle)
-
-
-def _mean_of_shifts(turns: NDArray[np.float64], count: int) -> NDArray[np.float64]:
-    """sin(πnt)/(n·sin(πt)), with all digits where sin(πt) is next to 0."""
-    whole = np.rint(turns)
-    rest = turns - whole
-    odd = (count % 2 == 0) & (whole % 2 != 0)
-    return np.where(odd, -1.0, 1.0) * sinc(count * rest) / sinc(rest)
 
 
 def smear_mrad(

@@ -14,10 +14,8 @@ from core.errors import DataError, ParameterError
 from core.physics import numerics
 from core.physics.detector.detectivity import ResponseCurve
 from core.physics.radiometry import planck
+from core.physics.radiometry.planck import PHOTON_ENERGY_J_UM
 from core.records import dataclass
-
-PHOTON_ENERGY_J_UM = planck.PLANCK_J_S * planck.SPEED_OF_LIGHT_M_S * 1e6
-"""Energy of a photon times its wavelength, J µm."""
 
 
 def efficiency_of_responsivity(

@@ -20,6 +20,7 @@ from core.physics.numerics import (
     all_finite,
     all_from_zero,
     finite,
+    mean_of_waves,
     non_negative,
     positive,
     within,
@@ -70,9 +71,7 @@ def smear_mtf(
     ratio, N the rows and D the transform of a column.
     """
     half = 0.5 * sides * non_negative("ratio", ratio)
-    cycles = np.asarray(frequency, np.float64) * interval_mrad
-    rest = cycles - np.round(cycles)
-    column = (np.sinc(rows * rest) / np.sinc(rest)) ** 2
+    column = mean_of_waves(np.asarray(frequency, np.float64) * interval_mrad, rows) ** 2
     return np.asarray((1.0 + half * (rows * column - 1.0)) / (1.0 + half * (rows - 1.0)))
 
 
@@ -443,11 +442,9 @@ def rounding_variances(*, step: float, noise_variance: float) -> tuple[float, fl
     chapters 4 and 19 (the characteristic function method); for small σ the sum is
     π²/6 − √(πa) + a/2 with a = 4π²σ²/step², by Poisson's summation formula.
     """
-    width = positive("step", step)
-    if not 0.0 <= noise_variance < math.inf:
-        raise ParameterError("noise_variance", noise_variance, "0 or above and finite")
+    width, variance = positive("step", step), non_negative("noise_variance", noise_variance)
     whole = width * width / 12.0
-    a = 4.0 * math.pi**2 * (noise_variance / width / width)
+    a = 4.0 * math.pi**2 * (variance / width / width)
     if a < 0.25:
         total = math.pi**2 / 6.0 - math.sqrt(math.pi * a) + 0.5 * a
     else:
@@ -495,10 +492,8 @@ def apply_gain_bias(
     Source: Tantalo 1996, eq. 4.59. Erratum: as printed it multiplies the picture by a number of
     the order of the gain error; the text above it describes `published`.
     """
-    for name, percent in (("gain_percent", gain_percent), ("bias_percent", bias_percent)):
-        if not 0.0 <= percent < float("inf"):
-            raise ParameterError(name, percent, "must be 0 or above and finite", unit="%")
-    gain, bias = gain_percent / 100.0, bias_percent / 100.0
+    gain = non_negative("gain_percent", gain_percent, unit="%") / 100.0
+    bias = non_negative("bias_percent", bias_percent, unit="%") / 100.0
     kind = radiance.dtype
     offset = bias * mean_radiance * _typed(bias_pattern, radiance)
     deviation = gain * _typed(gain_pattern, radiance)

@@ -18,6 +18,7 @@ from core.arrays import Mask, Vector
 from core.errors import DataError
 from core.physics.measurement.photon_transfer import FlatField
 from core.physics.noise.noise_components import COMPONENTS, MeasuredNoise
+from core.physics.radiometry.planck import SECOND_RADIATION_CONSTANT_UM_K
 from core.records import dataclass
 
 _OF_TIME = ("tvh", "tv", "th", "t")
@@ -29,7 +30,6 @@ _WIDTH_KNOWN = 1e-9  # of it
 _BAND = 3e-6  # of SiTF, by K² of the span: a band's response is not that of one wavelength
 _CHORD = 3e-5  # the same of two temperatures, midway; by K
 _CHORD_END = 0.02  # and at the two: a response that grows by 4 % of itself with a kelvin
-_SECOND_RADIATION_UM_K = 14387.768775
 
 
 @dataclass(frozen=True)
@@ -211,7 +211,7 @@ class _Law:
     def wavelength(self, variance: Vector) -> tuple[float | None, float | None]:
         if self.width_K is None:
             return None, None
-        wavelength = _SECOND_RADIATION_UM_K / self.width_K
+        wavelength = SECOND_RADIATION_CONSTANT_UM_K / self.width_K
         return wavelength, wavelength * math.sqrt(float(self.effect[2] ** 2 @ variance))
 
 

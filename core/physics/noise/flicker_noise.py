@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 from core.arrays import Array
 from core.errors import DataError, ParameterError
 from core.kernels import special
-from core.physics.numerics import finite, non_negative, positive, within
+from core.physics.numerics import finite, gauss_legendre, non_negative, positive, within
 from core.records import dataclass
 
 
@@ -67,7 +67,7 @@ def filtered_flicker(*, kept: float, band: FlickerBand) -> float:
     (Oppenheim and Schafer 2010, Discrete-Time Signal Processing, chapter 5).
     """
     share = within("kept", kept, 0.0, 1.0)
-    places, weights = np.polynomial.legendre.leggauss(32)
+    places, weights = gauss_legendre(32)
     octaves = np.linspace(log(band.low_Hz / band.high_Hz), 0.0, band.strata + 1)
     middles, half = (octaves[1:] + octaves[:-1]) / 2.0, (octaves[1] - octaves[0]) / 2.0
     angle = math.pi * np.exp(middles[:, np.newaxis] + half * places)
@@ -174,7 +174,7 @@ def photon_means(radiance: Floats, *, photons_per_unit: float, out: Floats | Non
 
     Of the picture's shape and type. Radiance below 0 beyond rounding is refused (`DataError`).
     """
-    _require_photons(photons_per_unit)
+    positive("photons_per_unit", photons_per_unit)
     unit = radiance.dtype.type(photons_per_unit)
     return _without_undershoot(np.multiply(radiance, unit, out=out))
 
@@ -183,13 +183,8 @@ def radiance_of_photons(
     counts: Floats, *, photons_per_unit: float, out: Floats | None = None
 ) -> Floats:
     """Picture that photon counts stand for: the way back from `photon_means`."""
-    _require_photons(photons_per_unit)
+    positive("photons_per_unit", photons_per_unit)
     return np.divide(counts, counts.dtype.type(photons_per_unit), out=out)
-
-
-def _require_photons(photons_per_unit: float) -> None:
-    if not 0.0 < photons_per_unit < float("inf"):
-        raise ParameterError("photons_per_unit", photons_per_unit, "must be above 0 and finite")
 
 
 def _without_undershoot(means: Floats) -> Floats:

@@ -6,7 +6,7 @@ from math import hypot, inf, pi, sqrt
 
 from core.errors import DataError, ParameterError
 from core.physics.detector import focal_plane_array
-from core.physics.numerics import positive
+from core.physics.numerics import non_negative, positive
 from core.physics.radiometry.planck import band_radiance_derivative
 
 
@@ -92,14 +92,11 @@ def netd_K(  # noqa: N802
 
     Source: Tantalo 1996, eq. 4.63.
     """
-    if not 0.0 <= noise_radiance < inf:
-        raise ParameterError(
-            "noise_radiance", noise_radiance, "must be 0 or above and finite", unit="W/m²/sr"
-        )
+    noise = non_negative("noise_radiance", noise_radiance, unit="W/m²/sr")
     slope = band_radiance_derivative(
         cut_on_um=cut_on_um, cut_off_um=cut_off_um, temperature_K=float(background_K)
     )
-    netd = noise_radiance / slope if slope > 0.0 else inf
+    netd = noise / slope if slope > 0.0 else inf
     if netd == inf:
         allowed = f"the background emits nothing from {cut_on_um:g} to {cut_off_um:g} µm"
         raise ParameterError("background_K", background_K, allowed, unit="K")

@@ -23,6 +23,8 @@ PLANCK_J_S = 6.62607015e-34
 SPEED_OF_LIGHT_M_S = 299792458.0
 BOLTZMANN_J_K = 1.380649e-23
 ELEMENTARY_CHARGE_C = 1.602176634e-19
+PHOTON_ENERGY_J_UM = PLANCK_J_S * SPEED_OF_LIGHT_M_S * 1e6
+"""Energy of a photon times its wavelength, J µm."""
 
 FIRST_RADIATION_CONSTANT_W_M2_SR = 2.0 * PLANCK_J_S * SPEED_OF_LIGHT_M_S**2
 """c1L = 2 h c**2, of spectral radiance, W m2 sr-1."""

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from core.arrays import Complex, Floats, Index, Vector
 from core.errors import DataError, ParameterError, several
-from core.physics.numerics import positive, within
+from core.physics.numerics import mean_of_waves, positive, within
 from core.physics.optics.wavefront import autocorrelation
 
 # Far below any optics, and so far above the least number that frequencies have squares.
@@ -166,11 +166,7 @@ def block_mean_mtf(*, frequency: ArrayLike, interval_mrad: float, samples: int) 
     Source: Bracewell 1986, The Fourier Transform and Its Applications, the row of n impulses.
     """
     step = positive("interval_mrad", interval_mrad, unit="mrad")
-    # The period of the function is that of the samples: nearest to zero no sine loses digits.
-    cycles = np.asarray(frequency, np.float64) * step
-    rest = cycles - np.round(cycles)
-    sign = np.where((np.round(cycles) * (samples - 1)) % 2 == 0, 1.0, -1.0)
-    return np.asarray(sign * np.sinc(samples * rest) / np.sinc(rest))
+    return mean_of_waves(np.asarray(frequency, np.float64) * step, samples)
 
 
 def interpolation_mtf(

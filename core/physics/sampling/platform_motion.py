@@ -393,7 +393,7 @@ class MotionSpectrum:
 def _quadrature(spectrum: MotionSpectrum, exposure_s: float) -> tuple[Vector, Vector]:
     """Frequencies, and the variance that belongs to each."""
     bounds = spectrum.bounds(exposure_s)
-    nodes, weights = np.polynomial.legendre.leggauss(_PANEL_NODES)
+    nodes, weights = gauss_legendre(_PANEL_NODES)
     half = 0.5 * np.diff(bounds)[:, np.newaxis]
     places = (bounds[:-1, np.newaxis] + half * (1.0 + nodes)).ravel()
     return places, (half * weights).ravel() * spectrum.density(places)
@@ -408,7 +408,7 @@ def within_exposure(
     The variances are in mrad², the weights add to 1.
     """
     exposure = non_negative("integration_time_s", exposure_s, unit="s")
-    nodes, weights = np.polynomial.legendre.leggauss(_TIMES)
+    nodes, weights = gauss_legendre(_TIMES)
     places, power = _quadrature(spectrum, exposure)
     turns = places * exposure
     fast = turns > _FAST  # the centroid knows nothing of it
