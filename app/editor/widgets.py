@@ -3,7 +3,6 @@
 import math
 import time
 from collections.abc import Callable, Collection, Sequence
-from functools import partial
 from typing import Any, TypeVar
 
 from PySide6 import QtGui, QtWidgets
@@ -139,7 +138,7 @@ def _worded(button: B, name: str, text: str, description: str, act: Act | None) 
     button.setText(text)
     button.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
     if act is not None:
-        button.clicked.connect(act)
+        button.clicked.connect(lambda *_: act())  # without whether it is checked
     return labelled(button, name, description, description)
 
 
@@ -184,7 +183,7 @@ def offer(
     action.setObjectName(name)
     if about:
         action.setToolTip(about)
-    action.triggered.connect(partial(without_argument, act))
+    action.triggered.connect(lambda *_: act())  # without whether it is checked
     return action
 
 
@@ -530,8 +529,3 @@ def is_escape(event: QEvent) -> bool:
 def local_files(data: QMimeData) -> list[str]:
     """Paths of the files of this machine that are dragged; none where other things are."""
     return [url.toLocalFile() for url in data.urls() if url.isLocalFile()]
-
-
-def without_argument(target: Callable[..., object], *_: object) -> None:
-    """Call it without the signal's argument, whether the action is checked."""
-    target()

@@ -181,7 +181,7 @@ class NewerActions:
         menu = getattr(panel, "sets_menu", None)
         if menu is None or not panel.head.sets.isVisible():
             return
-        menu.fill()
+        menu.aboutToShow.emit()
         sets = [a for a in menu.actions() if a.objectName().startswith("set.")]
         removing = menu.findChild(QMenu, "sets.remove")
         if not sets or self.random.random() < 0.4:

@@ -405,8 +405,7 @@ class Crumbs(QWidget):
         self._level = level
         self._row = widgets.filled(QHBoxLayout(self), margins=(4, 2, 4, 2), spacing=2)
         about = "Leave this macro and show the network around it (Alt+PgUp)"
-        self.up = self._button("crumbs.up", "↑ Up", about)
-        self.up.clicked.connect(level.leave)
+        self.up = self._button("crumbs.up", "↑ Up", about, level.leave)
         self._way = QWidget(self)
         widgets.filled(self._row, self.up, self._way, margins=None)
         self.steps: list[QToolButton] = []
@@ -429,10 +428,9 @@ class Crumbs(QWidget):
         self._way, self.steps = QWidget(self), []
         row = widgets.filled(QHBoxLayout(self._way), spacing=2)
         for depth, text in enumerate((name, *path)):
-            button = self._button(f"crumb.{depth}", text, f"Show the nodes of {text}")
-            button.setEnabled(depth < len(path))
             going = partial(self._level.go_to, path[:depth])
-            button.clicked.connect(partial(widgets.without_argument, going))
+            button = self._button(f"crumb.{depth}", text, f"Show the nodes of {text}", going)
+            button.setEnabled(depth < len(path))
             arrow = (widgets.plain_label("", self._way, "›", role=FAINT),) if depth else ()
             widgets.filled(row, *arrow, button, margins=None)
             self.steps.append(button)
@@ -442,8 +440,8 @@ class Crumbs(QWidget):
         self.resize(self.sizeHint())
         self.raise_()
 
-    def _button(self, name: str, text: str, about: str) -> QToolButton:
-        button = widgets.tool_button(name, text.replace("&", "&&"), about, self)
+    def _button(self, name: str, text: str, about: str, act: widgets.Act) -> QToolButton:
+        button = widgets.tool_button(name, text.replace("&", "&&"), about, self, act)
         button.setAutoRaise(True)
         button.setToolTip(declared_text.tip(about))
         return button

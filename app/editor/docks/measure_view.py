@@ -318,8 +318,7 @@ class MeasureView(WorkerView):
         for number in shown:
             action = menu.addAction(f"Viewer &{number}: {self._viewers[number].choices.port}")
             action.setObjectName(f"measure.viewer_{number}")
-            measure = partial(self.measure_viewer, number)
-            action.triggered.connect(partial(widgets.without_argument, measure))
+            action.setData(number)
         if not shown:
             menu.addAction("No viewer shows a picture").setEnabled(False)
 
@@ -441,6 +440,7 @@ class MeasureView(WorkerView):
 
     def _connect(self) -> None:
         self.viewer.menu().aboutToShow.connect(self._list_viewers)
+        self.viewer.menu().triggered.connect(lambda one: self.measure_viewer(one.data()))
         self.band.valueChanged.connect(self._measure_band)
         self.fit.clicked.connect(self.canvas.fit)
         self.unused.toggled.connect(self.canvas.show_unused)

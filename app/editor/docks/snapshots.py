@@ -2,7 +2,6 @@
 
 from collections.abc import Hashable, Mapping, Sequence
 from datetime import datetime
-from functools import partial
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -26,7 +25,6 @@ from app.editor.widgets import (
     labelled,
     toggle_button,
     tool_button,
-    without_argument,
 )
 from app.run.terminal import number_text, without_rounding
 from core.chain.engine import Plan
@@ -336,11 +334,10 @@ class SnapshotsView(Viewer):
         about = "Show A on the left and B on the right of a divider (W)"
         self.wipe = toggle_button("snapshots.wipe", "Wipe", about, self)
         about = "Restore the network to A; you can undo this"
-        self.back = tool_button("snapshots.back", "Go Back", about, self)
+        self.back = tool_button("snapshots.back", "Go Back", about, self, kept.go_back)
         self.remove = tool_button("snapshots.remove", "Remove", "Delete A (Del)", self)
         self.flip.clicked.connect(lambda: kept.compare("flip"))
         self.wipe.clicked.connect(lambda: kept.compare("wipe"))
-        self.back.clicked.connect(partial(without_argument, kept.go_back))
         self.remove.clicked.connect(lambda: kept.remove(kept.chosen))
         self.list = SnapshotList(self._snapshots)
         self.title = ElidedLabel("snapshots.title", "Number of figures that differ", self)

@@ -1,7 +1,6 @@
 """The head of a panel: title, name of the node, and what can be done with all of it."""
 
 from collections.abc import Callable
-from functools import partial
 
 from PySide6.QtCore import QEvent, QObject, QRect, Qt, QTimer, Signal
 from PySide6.QtGui import QAction, QGuiApplication, QPainter, QPaintEvent
@@ -77,7 +76,7 @@ class TitleBar(QWidget):
         """Have an entry in the menu of the right button, or of the menu key."""
         action = QAction(text, self)
         action.setObjectName(name)
-        action.triggered.connect(partial(widgets.without_argument, act))
+        action.triggered.connect(lambda *_: act())
         self.addAction(action)
 
     def _fold(self, on: bool) -> None:

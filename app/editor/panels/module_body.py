@@ -122,8 +122,8 @@ class PortsView(QWidget):
         label.setToolTip(tip(f"{side} {port.name}: {' or '.join(port.types)}{need}"))
         place = side, port.name
         about = f"view {side} {port.name}"
-        button = widgets.tool_button(f"view.{side}.{port.name}", "View", about, self)
-        button.clicked.connect(partial(widgets.without_argument, partial(self._view, place, 1)))
+        view = partial(self._view, place, 1)
+        button = widgets.tool_button(f"view.{side}.{port.name}", "View", about, self, view)
         if set(port.types) <= set(PLOT_TYPES):
             button.setToolTip(tip("Show this port in Curves"))
         else:

@@ -326,26 +326,27 @@ class NodePanel(QtWidgets.QFrame):
         self.head.sets.setVisible(keeps and bool(declared and declared.parameters))
         self._connect()
         if area.sets_folder is not None:
-            self.sets_menu = SetsMenu(of, area.sets_folder, self.head.sets, self.head.bar.actions())
+            self.sets_menu = sets_menu(
+                of, area.sets_folder, self.head.sets, self.head.bar.actions()
+            )
         self.follow(None, session.network)
 
     def _connect(self) -> None:
-        head, requests, done = self.head, self._of.requests, widgets.without_argument
+        head, requests = self.head, self._of.requests
         head.bar.folded.connect(self._fold)
         head.pin.clicked.connect(
             lambda: self._set("pinned", head.pin.isChecked() or operations.ABSENT)
         )
         head.fold_picture.clicked.connect(self._fold_picture)
-        head.close_button.clicked.connect(partial(done, partial(requests.close.emit, self.node)))
+        head.close_button.clicked.connect(lambda: requests.close.emit(self.node))
         head.name.committed.connect(self._rename)
         head.name.returnPressed.connect(self._leave_name)  # after it is taken, or refused
         head.name.given_up.connect(self._show_name)
         head.auto.clicked.connect(lambda: self._set("auto", head.auto.isChecked()))
         head.disable.clicked.connect(lambda: self._set("disabled", head.disable.isChecked()))
         head.output.clicked.connect(self._mark_output)
-        head.generate.clicked.connect(partial(done, requests.generate.emit))
-        reading = partial(requests.handbook.emit, self.node)
-        head.more.linkActivated.connect(partial(done, reading))
+        head.generate.clicked.connect(lambda *_: requests.generate.emit())
+        head.more.linkActivated.connect(lambda _: requests.handbook.emit(self.node))
         head.bar.offer("copy_values", "Copy values", partial(self._with_values, copy_values))
         head.bar.offer("paste_values", "Paste values", partial(self._with_values, paste_values))
 
@@ -411,62 +412,57 @@ class NodePanel(QtWidgets.QFrame):
         self._of.do(operations.set_node_field(self.node, name, value))
 
 
-class SetsMenu(widgets.Menu):
-    """Filled when it is opened, from the files of the person's folder."""
+def sets_menu(
+    of: PanelNode, folder: Path, button: QtWidgets.QToolButton, above: Sequence[QAction]
+) -> widgets.Menu:
+    """A button's menu of the sets of parameters in the person's folder, read when it is opened."""
+    session, name = of.session, of.name
+    menu = widgets.labelled(widgets.Menu(button), "sets.menu")
+    button.setMenu(menu)
+    button.setPopupMode(QtWidgets.QToolButton.ToolButtonPopupMode.InstantPopup)
+    told = partial(messages.told, session.message.emit)
 
-    def __init__(
-        self, of: PanelNode, folder: Path, button: QtWidgets.QToolButton, above: Sequence[QAction]
-    ) -> None:
-        super().__init__(button)
-        self.setObjectName("sets.menu")
-        button.setMenu(self)
-        button.setPopupMode(QtWidgets.QToolButton.ToolButtonPopupMode.InstantPopup)
-        self._session, self._name = of.session, of.name
-        self._folder = folder
-        self._above = list(above)
-        self.aboutToShow.connect(self.fill)
-
-    def fill(self) -> None:
-        self.clear()
-        self.addActions(self._above)
-        self.addSeparator()
-        node = self._session.network.nodes.get(self._name)
-        if node is None:
+    def fill() -> None:
+        menu.clear()
+        menu.addActions(list(above))
+        menu.addSeparator()
+        if not of.is_there:
             return
         sets: Sets = {}
-        with messages.told(self._session.message.emit):
-            sets = sets_of(node.module, self._folder)
-        for name in sets:
-            about = f"Set every parameter to its value in {name}"
-            widgets.offer(self, f"set.{name}", name, partial(self._take, name, sets), about=about)
+        with told():
+            sets = sets_of(session.network.nodes[name].module, folder)
+        for one in sets:
+            about = f"Set every parameter to its value in {one}"
+            widgets.offer(menu, f"set.{one}", one, partial(take, one, sets), about=about)
         if sets:
-            removing = widgets.Menu("Remove", self)
-            self.addMenu(removing)
+            removing = widgets.Menu("Remove", menu)
+            menu.addMenu(removing)
             removing.setObjectName("sets.remove")
-            for name in sets:
-                widgets.offer(removing, f"remove.{name}", name, partial(self._remove, name))
-            self.addSeparator()
-        edit, action = widgets.line_in_menu(self, "Save as", "set_name")
+            for one in sets:
+                widgets.offer(removing, f"remove.{one}", one, partial(remove, one))
+            menu.addSeparator()
+        edit, action = widgets.line_in_menu(menu, "Save as", "set_name")
         edit.setPlaceholderText("name")
         edit.setAccessibleName("name to save these parameters under")
         edit.setToolTip("Press Enter to save the current parameters under this name")
-        edit.returnPressed.connect(partial(self._keep, edit))
-        self.addAction(action)
+        edit.returnPressed.connect(lambda: keep(edit.text().strip()))
+        menu.addAction(action)
 
-    def _keep(self, edit: QtWidgets.QLineEdit) -> None:
-        name = edit.text().strip()
-        self.close()
-        with messages.told(self._session.message.emit, "not saved: "):
-            save_set(name, self._session.valued(self._name), self._folder)
-            self._session.message.emit("note", f"saved the parameters of {self._name} as {name}")
+    def keep(new: str) -> None:
+        menu.close()
+        with told("not saved: "):
+            save_set(new, session.valued(name), folder)
+            session.message.emit("note", f"saved the parameters of {name} as {new}")
 
-    def _take(self, name: str, sets: Sets) -> None:
-        session = self._session
-        declared, node = session.declared(self._name), session.network.nodes.get(self._name)
+    def take(one: str, sets: Sets) -> None:
+        declared, node = session.declared(name), session.network.nodes.get(name)
         if declared is not None and node is not None:
-            with messages.told(session.message.emit):
-                session.do(given(name, sets[name], node, declared, self._name))
+            with told():
+                session.do(given(one, sets[one], node, declared, name))
 
-    def _remove(self, name: str) -> None:
-        with messages.told(self._session.message.emit):
-            remove_set(name, self._session.network.nodes[self._name].module, self._folder)
+    def remove(one: str) -> None:
+        with told():
+            remove_set(one, session.network.nodes[name].module, folder)
+
+    menu.aboutToShow.connect(fill)
+    return menu

@@ -14,7 +14,7 @@ from app.editor.messages import told
 from app.editor.panels.fields.field import copy_values, paste_values
 from app.editor.session import Level
 from app.editor.viewers.viewer import VIEWER_NUMBERS
-from app.editor.widgets import Menu, without_argument
+from app.editor.widgets import Menu
 from core.editing.backdrops import (
     Backdrop,
     add,
@@ -243,8 +243,7 @@ class Actions(dict[str, QAction]):
     ) -> None:
         super().__init__()
         for spec in ACTIONS:
-            action = _made(spec, window)
-            action.triggered.connect(partial(without_argument, targets[spec.name]))
+            action = _made(spec, window, targets[spec.name])
             (canvas if spec.scope == "canvas" else window).addAction(action)
             self[spec.name] = action
 
@@ -270,12 +269,13 @@ class Actions(dict[str, QAction]):
                 self[spec.name].setEnabled(selected)
 
 
-def _made(spec: ActionSpec, parent: QWidget) -> QAction:
+def _made(spec: ActionSpec, parent: QWidget, act: Callable[[], object]) -> QAction:
     action = QAction(spec.text, parent, checkable=spec.checkable, statusTip=spec.tip)
     action.setObjectName(f"action.{spec.name}")
     action.setToolTip(spec.tip)
     action.setShortcuts([QKeySequence(key) for key in spec.keys])
     action.setShortcutContext(_SCOPES[spec.scope])
+    action.triggered.connect(lambda *_: act())  # without whether it is checked
     return action
 
 

@@ -24,9 +24,9 @@ from app.editor.window import background_runs, viewer_docks
 from app.editor.window.actions import CANVAS_MENU, EDITS, NODE_MENU, Actions, EditCommands
 from app.editor.window.files import Drops, Files, PresetShelf
 from app.editor.window.help import Help
-from app.editor.window.recent_files import DOCKS_VERSION, RecentMenu, Settings
+from app.editor.window.recent_files import DOCKS_VERSION, Settings, recent_menu
 from app.editor.window.welcome import WelcomePage
-from app.editor.window.window_layout import DEFAULT, LayoutMenu, LayoutName, Pages, WindowLayout
+from app.editor.window.window_layout import DEFAULT, LayoutName, Pages, WindowLayout, layout_menu
 from core.editing.layout import EDGES, WAYS
 from core.errors import ImagechainError
 from core.modules.declaration import Library
@@ -80,9 +80,9 @@ class MainWindow(QMainWindow):
         self.layout_in_use.choose(DEFAULT)
         self.menus = self.actions_by_name.fill(self.menuBar())
         self._add_dock_toggles(self.menus["&View"])
-        self.layout_menu = LayoutMenu(settings, self.layout_in_use, self.workbench)
+        self.layout_menu = layout_menu(settings, self.layout_in_use, self.workbench)
         self.menus["&View"].insertMenu(self.actions_by_name["reset_layout"], self.layout_menu)
-        self.recent_menu = RecentMenu(settings, self.files.open, self._show_lists, self)
+        self.recent_menu = recent_menu(settings, self.files.open, self._show_lists, self)
         file_actions = self.menus["&File"].actions()
         after_open = file_actions[file_actions.index(self.actions_by_name["open"]) + 1]
         self.menus["&File"].insertMenu(after_open, self.recent_menu)

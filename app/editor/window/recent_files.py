@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection
-from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
 
 from PySide6.QtCore import QByteArray, QSettings
+from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QWidget
 
 from app.editor.theme import Look
-from app.editor.widgets import Menu, without_argument
+from app.editor.widgets import Menu
 from app.user_folders import FOLDERS
 
 MOST_RECENT = 10  # files that are offered
@@ -20,27 +20,20 @@ DOCKS_VERSION = 2  # of the docks' stored places; of an earlier one the default 
 T = TypeVar("T")
 
 
-class RecentMenu(Menu):
+def recent_menu(
+    settings: Settings,
+    choose: Callable[[str], object],
+    cleared: Callable[[], object],
+    parent: QWidget,
+) -> Menu:
     """The list as a menu, made anew each time it opens: another window may have added to it."""
+    menu = Menu("Open &Recent", parent)
+    menu.setToolTipsVisible(True)
+    menu.menuAction().setToolTip("Open a recent network")
 
-    def __init__(
-        self,
-        settings: Settings,
-        choose: Callable[[str], object],
-        cleared: Callable[[], object],
-        parent: QWidget,
-    ) -> None:
-        super().__init__("Open &Recent", parent)
-        self.setToolTipsVisible(True)
-        self.menuAction().setToolTip("Open a recent network")
-        self._settings = settings
-        self._choose = choose
-        self._cleared = cleared
-        self.aboutToShow.connect(self._fill)
-
-    def _fill(self) -> None:
-        self.clear()
-        recent = self._settings.recent
+    def fill() -> None:
+        menu.clear()
+        recent = settings.recent
         for number, path in enumerate(recent, start=1):
             # Behind the tab stands what menus have in a column of its own.
             name, folder = (
@@ -48,20 +41,26 @@ class RecentMenu(Menu):
                 for text in (path.name, folder_text(path.parent))
             )
             key = f"&{number}" if number < MOST_RECENT else "1&0"
-            item = self.addAction(f"{key}  {name}\t{folder}")
+            item = menu.addAction(f"{key}  {name}\t{folder}")
             item.setToolTip(str(path))
-            item.triggered.connect(partial(without_argument, partial(self._choose, str(path))))
+            item.setData(str(path))
         if not recent:
-            self.addAction("No recent networks").setEnabled(False)
-        self.addSeparator()
-        clear = self.addAction("&Clear List")
+            menu.addAction("No recent networks").setEnabled(False)
+        menu.addSeparator()
+        clear = menu.addAction("&Clear List")
         clear.setToolTip("Clear this list without deleting the files")
         clear.setEnabled(bool(recent))
-        clear.triggered.connect(self._clear)
 
-    def _clear(self) -> None:
-        self._settings.forget_recent()
-        self._cleared()
+    def chosen(item: QAction) -> None:
+        if item.data() is not None:
+            choose(item.data())
+        else:
+            settings.forget_recent()
+            cleared()
+
+    menu.aboutToShow.connect(fill)
+    menu.triggered.connect(chosen)
+    return menu
 
 
 def folder_text(folder: Path, letters: int = 44) -> str:

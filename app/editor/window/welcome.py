@@ -11,7 +11,7 @@ from PySide6.QtCore import QEvent, QSize, QSizeF, Qt, Signal
 
 from app.editor.recovery_files import Recovered
 from app.editor.theme import FAINT
-from app.editor.widgets import FlowLayout, filled, labelled, without_argument
+from app.editor.widgets import FlowLayout, filled, labelled
 from app.editor.window.recent_files import folder_text
 from app.run.shipped import shipped_networks
 from core.network.file import read_network
@@ -122,7 +122,7 @@ class WelcomePage(QtWidgets.QScrollArea):
             recover = self._choice("recover", f"{name} of {when}", layout)
             recover.clicked.connect(partial(self.recovered.emit, work))
         discard = self._choice("discard", f"{name} of {when}", layout)
-        discard.clicked.connect(partial(without_argument, work.discard))
+        discard.clicked.connect(lambda *_: work.discard())
         # It stays where it is: a second click must not throw away the work that moves up.
         discard.clicked.connect(lambda: row.setDisabled(True))
         discard.clicked.connect(lambda: about.setText(f"{name}, {when}: discarded"))

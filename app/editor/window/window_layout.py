@@ -20,7 +20,7 @@ from PySide6.QtWidgets import (
 )
 
 from app.editor.viewers.picture.image_viewer import ImageViewer
-from app.editor.widgets import Menu, without_argument
+from app.editor.widgets import Menu, offer
 from app.editor.window.recent_files import DOCKS_VERSION, Settings
 
 Sizes = dict[str, tuple[int, int]]
@@ -328,42 +328,36 @@ class Pages(QStackedWidget):
         return second
 
 
-class LayoutMenu(Menu):
+def layout_menu(settings: Settings, layout: WindowLayout, window: QMainWindow) -> Menu:
     """View > Saved Layouts, made anew each time it opens."""
+    menu = Menu("Saved La&youts", window)
+    deleting = Menu("&Delete", menu)
 
-    def __init__(self, settings: Settings, layout: WindowLayout, window: QMainWindow) -> None:
-        super().__init__("Saved La&youts", window)
-        self._settings, self._layout, self._window = settings, layout, window
-        self._deleting = Menu("&Delete", self)
-        self.aboutToShow.connect(self._fill)
-
-    def _fill(self) -> None:
-        self.clear()
-        deleting = self._deleting
+    def fill() -> None:
+        menu.clear()
         deleting.clear()
-        for name, places in self._settings.layouts.items():
-            choosing = partial(self._layout.restore, *places)
-            for menu, act in ((self, choosing), (deleting, partial(self._keep, name))):
-                action = menu.addAction(name.replace("&", "&&"))
-                action.triggered.connect(partial(without_argument, act))
-        self.addSeparator()
-        saving = self.addAction("&Save Current as…")
-        saving.setEnabled(not self._layout.lacks_docks)
-        saving.triggered.connect(self._ask)
+        for name, places in settings.layouts.items():
+            offer(menu, "", name, partial(layout.restore, *places))
+            offer(deleting, "", name, partial(keep, name))
+        menu.addSeparator()
+        saving = menu.addAction("&Save Current as…")
+        saving.setEnabled(not layout.lacks_docks)
+        saving.triggered.connect(ask)
         deleting.setEnabled(not deleting.isEmpty())
-        self.addMenu(deleting)
+        menu.addMenu(deleting)
 
-    def _ask(self) -> None:
-        dialog = QInputDialog(self._window)
+    def ask() -> None:
+        dialog = QInputDialog(window)
         dialog.setLabelText("Name of the layout:")
         dialog.textValueSelected.connect(
-            lambda name: self._keep(
-                name, self._window.saveState(DOCKS_VERSION), self._layout.state()
-            )
+            lambda name: keep(name, window.saveState(DOCKS_VERSION), layout.state())
         )
         dialog.open()
 
-    def _keep(self, name: str, *places: object) -> None:
-        others = {one: kept for one, kept in self._settings.layouts.items() if one != name}
+    def keep(name: str, *places: object) -> None:
+        others = {one: kept for one, kept in settings.layouts.items() if one != name}
         new = {name.strip(): list(places)} if places and name.strip() else {}
-        self._settings.layouts = others | new
+        settings.layouts = others | new
+
+    menu.aboutToShow.connect(fill)
+    return menu
