@@ -432,10 +432,15 @@ def centred_hint(text: str, parent: QtWidgets.QWidget) -> Hint:
 
 
 class CopiedTable(QtWidgets.QTableWidget):
-    """Ctrl+C copies the marked rows; lines are broken anew when its width changes."""
+    """Whole rows that are only read, one column the widest; Ctrl+C copies the marked ones.
 
-    def list_figures(self, heads: Sequence[str], widest: int = 0) -> None:
-        """Look as a list of figures that is only read: whole rows, one column the widest."""
+    Lines are broken anew when its width changes.
+    """
+
+    def __init__(
+        self, heads: Sequence[str], parent: QtWidgets.QWidget | None = None, *, widest: int = 0
+    ) -> None:
+        super().__init__(0, len(heads), parent)
         self.setHorizontalHeaderLabels(list(heads))
         self.setEditTriggers(QtWidgets.QAbstractItemView.EditTrigger.NoEditTriggers)
         self.setSelectionBehavior(QtWidgets.QAbstractItemView.SelectionBehavior.SelectRows)
@@ -448,6 +453,17 @@ class CopiedTable(QtWidgets.QTableWidget):
         head.setSectionResizeMode(QtWidgets.QHeaderView.ResizeMode.ResizeToContents)
         head.setSectionResizeMode(widest, QtWidgets.QHeaderView.ResizeMode.Stretch)
         head.setHighlightSections(False)
+
+    def show_rows(self, rows: Sequence[Sequence[tuple[str, str]]], right: int = -1) -> None:
+        """Rows of texts with their tooltips; one column's stand at its right end."""
+        self.setRowCount(len(rows))
+        for row, cells in enumerate(rows):
+            for column, (text, about) in enumerate(cells):
+                item = QtWidgets.QTableWidgetItem(text)
+                item.setToolTip(about)
+                item.setTextAlignment(RIGHT if column == right else LEFT)
+                self.setItem(row, column, item)
+        self.resizeRowsToContents()
 
     def cells(self, row: int) -> Sequence[str]:
         """The texts of a row that are copied; none of a heading."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -16,7 +15,7 @@ from app.editor.declared_text import tip
 from app.editor.panels.chart import Chart, ChartWidget
 from app.editor.theme import theme_of
 from app.editor.viewers.plot.plot_export import columns_text
-from app.editor.widgets import RIGHT, CopiedTable, centred_hint, filled, labelled
+from app.editor.widgets import centred_hint, filled, labelled
 from app.measure.measurement_text import REFUSED, REMOVED, USED
 from core.modules.preview import Axis, signed
 
@@ -26,7 +25,6 @@ if TYPE_CHECKING:
     from core.physics.measurement.edge_mtf import MtfCurve
 
 _DELETE_KEYS = (Qt.Key.Key_Delete, Qt.Key.Key_Backspace)
-_FIGURE_HEADS = ("Figure", "Value", "Unit")
 
 
 class EdgeTable(QtWidgets.QTreeWidget):
@@ -91,24 +89,6 @@ def edge_words(place: int, edge: MeasuredEdge) -> str:
     half = _half(edge) and f", MTF50 {_half(edge)}"
     why_not = "" if edge.used else f", not used: {edge.why_not}"
     return where + half + why_not
-
-
-class FigureTable(CopiedTable):
-    def __init__(self, parent: QtWidgets.QWidget) -> None:
-        super().__init__(0, len(_FIGURE_HEADS), parent)
-        labelled(self, "measure.figures", "MTF and noise figures; Ctrl+C copies them")
-        self.list_figures(_FIGURE_HEADS)
-
-    def show_rows(self, rows: Sequence[tuple[str, str, str, str]]) -> None:
-        self.setRowCount(len(rows))
-        for row, (name, value, unit, meaning) in enumerate(rows):
-            for column, text in enumerate((meaning, value, unit)):
-                item = QtWidgets.QTableWidgetItem(text)
-                if column == 1:
-                    item.setTextAlignment(RIGHT)
-                item.setToolTip(name)
-                self.setItem(row, column, item)
-        self.resizeRowsToContents()
 
 
 # The pooled MTF with its error, and the chosen edge's, in one small chart.

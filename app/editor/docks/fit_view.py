@@ -335,7 +335,7 @@ class FreeTable(CopiedTable):
     refused = Signal(str)  # (text): why a limit is not taken
 
     def __init__(self, session: Session, parent: QtWidgets.QWidget) -> None:
-        super().__init__(0, len(_HEADS), parent)
+        super().__init__(_HEADS, parent)
         self._session = session
         self._fitted: tuple[FittedParameter, ...] = ()
         labelled(
@@ -344,9 +344,8 @@ class FreeTable(CopiedTable):
             "Parameters that the fit determines. You can type limits; they are not saved with the "
             "network",
         )  # fmt: skip
-        triggers = self.editTriggers()
-        self.list_figures(_HEADS)
-        self.setEditTriggers(triggers)
+        how = QtWidgets.QTableWidget.EditTrigger
+        self.setEditTriggers(how.DoubleClicked | how.EditKeyPressed | how.AnyKeyPressed)
         self.setSelectionMode(QtWidgets.QTableWidget.SelectionMode.SingleSelection)
         self.itemChanged.connect(self._typed)
 

@@ -13,7 +13,7 @@ from PySide6 import QtGui, QtWidgets
 from PySide6.QtCore import QMimeData, QSignalBlocker, QSize, Qt, Signal
 
 from app.editor import declared_text, messages, widgets
-from app.editor.docks.edges import EdgeCanvas, EdgeTable, FigureTable, MtfChart, edge_words
+from app.editor.docks.edges import EdgeCanvas, EdgeTable, MtfChart, edge_words
 from app.editor.evaluation.queries import as_error
 from app.editor.session import Session
 from app.editor.viewers.picture.image_viewer import ImageViewer
@@ -425,7 +425,9 @@ class MeasureView(WorkerView):
         self.canvas = EdgeCanvas(self)
         self.chart = MtfChart(self)
         self.table = EdgeTable(self)
-        self.figures = FigureTable(self)
+        self.figures = widgets.CopiedTable(("Figure", "Value", "Unit"), self)
+        about = "MTF and noise figures; Ctrl+C copies them"
+        widgets.labelled(self.figures, "measure.figures", about)
         self.tabs = widgets.labelled(QtWidgets.QTabWidget(self, documentMode=True), "measure.tabs")
         self.tabs.addTab(self.figures, "Figures")
         self.tabs.addTab(self.table, "Edges")
@@ -510,7 +512,11 @@ class MeasureView(WorkerView):
         else:
             from app.measure.measurement_text import figure_rows, frame_rows, remarks
 
-            self.figures.show_rows([*figure_rows(measured), *frame_rows(measured)])
+            rows = (*figure_rows(measured), *frame_rows(measured))
+            self.figures.show_rows(
+                [[(text, name) for text in (meaning, *value)] for name, *value, meaning in rows],
+                right=1,
+            )
             self.notices.show_notices(map(_said, remarks(measured)))
         self._show_edge()
 

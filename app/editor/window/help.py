@@ -151,11 +151,9 @@ def shortcut_list(actions: Actions, parent: QtWidgets.QWidget) -> QtWidgets.QDia
     hint = "Name of an action, or its keys"
     search = search_field("shortcuts.search", "Search the shortcuts", hint, dialog)
     rows = (*shortcuts_of(actions), *BESIDE_ACTIONS)
-    table = labelled(CopiedTable(len(rows), 4, dialog), "shortcuts.table", "Shortcuts")
-    for number, row in enumerate(rows):
-        for column, text in enumerate(row):
-            table.setItem(number, column, QtWidgets.QTableWidgetItem(text))
-    table.list_figures(("Menu", "Action", "Keys", "What it does"), widest=3)
+    table = CopiedTable(("Menu", "Action", "Keys", "What it does"), dialog, widest=3)
+    labelled(table, "shortcuts.table", "Shortcuts")
+    table.show_rows([[(text, "") for text in row] for row in rows])
     filled(QtWidgets.QVBoxLayout(dialog), search, (table, 1), margins=None)
     metrics = dialog.fontMetrics()
     dialog.resize(metrics.averageCharWidth() * 110, metrics.height() * 28)

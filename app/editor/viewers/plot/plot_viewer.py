@@ -316,9 +316,8 @@ class FigureTable(widgets.CopiedTable):
     """Name, value, unit and meaning; tooltip and Ctrl+C give a value in all its digits."""
 
     def __init__(self, parent: QtWidgets.QWidget | None = None) -> None:
-        super().__init__(0, len(_HEADS), parent)
+        super().__init__(_HEADS, parent)
         self.setAccessibleName("Figures; Ctrl+C copies them")
-        self.list_figures(_HEADS)
         self.setAlternatingRowColors(True)
         self.verticalHeader().setMinimumSectionSize(self.fontMetrics().height() + 6)
         head = self.horizontalHeader()
@@ -339,24 +338,22 @@ class FigureTable(widgets.CopiedTable):
 
     def show_table(self, table: TableData) -> None:
         self._figures = table.rows
-        self.setRowCount(len(table.rows))
-        for row, figure in enumerate(table.rows):
-            shown = signed(number_text(figure.value))
-            if figure.value is None:
-                shown = "—"
-            elif isinstance(figure.value, str):
-                shown = figure.value
-            for column, text in enumerate((figure.name, shown, figure.unit, figure.meaning)):
-                item = QtWidgets.QTableWidgetItem(text)
-                tips = {0: f"{text}: {figure.meaning}", 1: _exact(figure)}
-                item.setToolTip(tips.get(column, text))
-                item.setTextAlignment(widgets.RIGHT if column == 1 else widgets.LEFT)
-                self.setItem(row, column, item)
-        self.resizeRowsToContents()
+        rows = []
+        for figure in table.rows:
+            name, unit, meaning = figure.name, figure.unit, figure.meaning
+            value = (_shown(figure), _exact(figure))
+            rows.append(((name, f"{name}: {meaning}"), value, (unit, unit), (meaning, meaning)))
+        self.show_rows(rows, right=1)
 
     def cells(self, row: int) -> Sequence[str]:
         figure = self._figures[row]
         return figure.name, _exact(figure), figure.unit, figure.meaning
+
+
+def _shown(figure: TableRow) -> str:
+    if figure.value is None:
+        return "—"
+    return figure.value if isinstance(figure.value, str) else signed(number_text(figure.value))
 
 
 def _exact(figure: TableRow) -> str:
