@@ -323,8 +323,14 @@ class Field(QtWidgets.QWidget):
             widgets.show_or_hide(self.message, text)
 
 
-class TypedField(Field):
+class TextField(Field):
     edit: TypeIn
+
+    def build(self) -> None:
+        edit = self.build_edit()
+        if self.parameter.empty:
+            edit.setPlaceholderText("empty")
+        widgets.filled(self.row, self.label, (edit, 1), self.unit)
 
     def build_edit(self, *, steps: bool = False) -> TypeIn:
         self.edit = TypeIn(self, steps=steps)
@@ -333,6 +339,9 @@ class TypedField(Field):
         self.edit.given_up.connect(self.restore)
         self.label.setBuddy(self.edit)
         return self.edit
+
+    def show_value(self, value: Any) -> None:
+        self.edit.show_text("" if value is None else str(value))
 
     def take(self, text: str) -> None:
         self.offer(text)
@@ -446,22 +455,10 @@ class SwitchField(Field):
         self.box.setChecked(bool(value))
 
 
-class TextField(TypedField):
+class NumbersField(TextField):
     def build(self) -> None:
-        edit = self.build_edit()
-        if self.parameter.empty:
-            edit.setPlaceholderText("empty")
-        widgets.filled(self.row, self.label, (edit, 1), self.unit)
-
-    def show_value(self, value: Any) -> None:
-        self.edit.show_text("" if value is None else str(value))
-
-
-class NumbersField(TypedField):
-    def build(self) -> None:
-        edit = self.build_edit()
-        edit.setPlaceholderText("none: type numbers, such as 0, 0.1")
-        widgets.filled(self.row, self.label, (edit, 1), self.unit)
+        super().build()
+        self.edit.setPlaceholderText("none: type numbers, such as 0, 0.1")
 
     def show_value(self, value: Any) -> None:
         self.edit.show_text(declared_text.shown_numbers(value or ()))

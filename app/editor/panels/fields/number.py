@@ -13,7 +13,7 @@ from PySide6.QtWidgets import QCompleter, QFileDialog, QMenu, QSlider, QWidget
 
 from app.editor import messages, theme, widgets
 from app.editor.declared_text import about, placeholder_of, shown_number, tip, typed_number
-from app.editor.panels.fields.field import TypedField
+from app.editor.panels.fields.field import TextField
 from app.editor.panels.fields.type_in import STEPS, discard_typing, step_factor
 from core.editing.operations import set_parameter
 from core.errors import ParameterError, thaw
@@ -32,7 +32,7 @@ _HOW_TO_TYPE = (
 )
 
 
-class NumberField(TypedField):
+class NumberField(TextField):
     """A number, with a slider that rounds nothing typed; a linked one has its expression there."""
 
     lines_up = True
@@ -455,7 +455,7 @@ def _range(parameter: Parameter, whole: bool) -> tuple[float, float]:
     return (low, high) if param.low is not None else (-high, high)
 
 
-class PathField(TypedField):
+class PathField(TextField):
     """A line, and a button that opens a dialog; the line's tooltip is the whole name."""
 
     def build(self) -> None:
