@@ -14,7 +14,7 @@ from PySide6.QtGui import QAction, QFocusEvent, QResizeEvent
 from app.editor import declared_text, messages, theme, widgets
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.queries import Badge
-from app.editor.panels.fields.field import PanelNode, Requests, copy_values, paste_values
+from app.editor.panels.fields.field import PanelNode, copy_values, paste_values
 from app.editor.panels.fields.type_in import TypeIn, discard_typing
 from app.editor.panels.head import PanelHead, TitleBar
 from app.editor.panels.module_body import ModuleBody, UnknownBody
@@ -36,6 +36,11 @@ class PanelArea(widgets.WheelScrollArea):
     """
 
     illustrations_changed = Signal(object)  # (illustrations)
+    view_wanted = Signal(str, str, int)  # node, port, viewer: show that output in that viewer
+    trade_off_wanted = Signal(str, str)  # node, parameter: show figures of merit as it moves
+    generate_wanted = Signal()  # compute everything
+    handbook_wanted = Signal(str)  # node: the page of its module is to be opened
+    named = Signal()  # Enter in the name: the keyboard goes back to the canvas
 
     def __init__(self, session: Session, evaluator: Evaluator) -> None:
         super().__init__()
@@ -47,9 +52,6 @@ class PanelArea(widgets.WheelScrollArea):
         self.setVerticalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOn)
         self._session = session
         self.evaluator = evaluator
-        self.requests = Requests(self)
-        self.requests.close.connect(self._close)
-        self.requests.illustrated.connect(self._illustrate)
         self.illustrations: frozenset[str] = frozenset()
         self._badges: Mapping[str, Badge] = {}
         self.panels: dict[str, NodePanel] = {}
@@ -81,7 +83,7 @@ class PanelArea(widgets.WheelScrollArea):
         for panel in self.panels.values():
             panel.head.fit(self.viewport().height())
 
-    def _illustrate(self, module: str, on: bool) -> None:
+    def illustrate(self, module: str, on: bool) -> None:
         self.illustrations ^= {module}
         for panel in self.panels.values():
             if panel.module == module:
@@ -158,8 +160,8 @@ class PanelArea(widgets.WheelScrollArea):
         return [name for name in self.panels if name not in wanted]
 
     def _make(self, name: str) -> NodePanel:
-        of = PanelNode(self._session, self.evaluator, name, self.requests)
-        panel = NodePanel(of, self)
+        of = PanelNode(self._session, self.evaluator, name, self)
+        panel = NodePanel(of)
         panel.head.fit(self.viewport().height())
         panel.set_badge(self._badges.get(name))
         self.panels[name] = panel
@@ -172,7 +174,7 @@ class PanelArea(widgets.WheelScrollArea):
         panel.hide()
         panel.deleteLater()
 
-    def _close(self, name: str) -> None:
+    def put_away(self, name: str) -> None:
         session = self._session
         if session.network.nodes[name].extra.get("pinned") is True:
             session.do(operations.set_node_field(name, "pinned", operations.ABSENT))
@@ -293,7 +295,8 @@ class Words(QtWidgets.QPlainTextEdit):
 class NodePanel(QtWidgets.QFrame):
     """Head and body of a node's panel, which holds no part of the document itself."""
 
-    def __init__(self, of: PanelNode, area: PanelArea) -> None:
+    def __init__(self, of: PanelNode) -> None:
+        area = of.area
         super().__init__(area.widget())
         self._of, self._session = of, of.session
         session, node = of.session, of.name
@@ -332,21 +335,21 @@ class NodePanel(QtWidgets.QFrame):
         self.follow(None, session.network)
 
     def _connect(self) -> None:
-        head, requests = self.head, self._of.requests
+        head, area = self.head, self._of.area
         head.bar.folded.connect(self._fold)
         head.pin.clicked.connect(
             lambda: self._set("pinned", head.pin.isChecked() or operations.ABSENT)
         )
         head.fold_picture.clicked.connect(self._fold_picture)
-        head.close_button.clicked.connect(lambda: requests.close.emit(self.node))
+        head.close_button.clicked.connect(lambda: area.put_away(self.node))
         head.name.committed.connect(self._rename)
         head.name.returnPressed.connect(self._leave_name)  # after it is taken, or refused
         head.name.given_up.connect(self._show_name)
         head.auto.clicked.connect(lambda: self._set("auto", head.auto.isChecked()))
         head.disable.clicked.connect(lambda: self._set("disabled", head.disable.isChecked()))
         head.output.clicked.connect(self._mark_output)
-        head.generate.clicked.connect(lambda *_: requests.generate.emit())
-        head.more.linkActivated.connect(lambda _: requests.handbook.emit(self.node))
+        head.generate.clicked.connect(lambda *_: area.generate_wanted.emit())
+        head.more.linkActivated.connect(lambda _: area.handbook_wanted.emit(self.node))
         head.bar.offer("copy_values", "Copy values", partial(self._with_values, copy_values))
         head.bar.offer("paste_values", "Paste values", partial(self._with_values, paste_values))
 
@@ -376,7 +379,7 @@ class NodePanel(QtWidgets.QFrame):
 
     def _fold_picture(self) -> None:
         shown = not self.head.fold_picture.isChecked()
-        self._of.requests.illustrated.emit(self.module, shown)
+        self._of.area.illustrate(self.module, shown)
 
     def _with_values(self, act: Callable[[Session, tuple[str, ...]], None]) -> None:
         self.finish_typing()
@@ -397,7 +400,7 @@ class NodePanel(QtWidgets.QFrame):
 
     def _leave_name(self) -> None:
         if not self.head.name.marked:
-            self._of.requests.named.emit()
+            self._of.area.named.emit()
 
     def _show_name(self) -> None:
         self.head.name.show_text(self._local_name)

@@ -361,12 +361,12 @@ class MainWindow(QMainWindow):
         self.canvas.surface.activated.connect(self._activated)
         self.canvas.surface.view_wanted.connect(lambda _: self._view(1))
         self.canvas.surface.files_dropped.connect(self.drops.files)
-        requests = self.panels.requests
-        requests.view.connect(self._view_requested)
-        requests.generate.connect(self.generate)
-        requests.named.connect(self.canvas.setFocus)
-        requests.handbook.connect(self.help.handbook_of)
-        requests.trade_off.connect(self.viewers.trade_off)
+        panels = self.panels
+        panels.view_wanted.connect(self._view_requested)
+        panels.generate_wanted.connect(self.generate)
+        panels.named.connect(self.canvas.setFocus)
+        panels.handbook_wanted.connect(self.help.handbook_of)
+        panels.trade_off_wanted.connect(self.viewers.trade_off)
         welcome = self.welcome
         welcome.chosen.connect(self.files.open)
         welcome.new_wanted.connect(self.files.new)

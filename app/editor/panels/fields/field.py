@@ -1,11 +1,13 @@
 """What all fields have: node, label, unit, message, menu; and fields of choices and lists."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Sequence
 from functools import partial
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from PySide6 import QtWidgets
-from PySide6.QtCore import QObject, QPoint, Qt, QTimer, Signal
+from PySide6.QtCore import QPoint, Qt, QTimer
 from PySide6.QtGui import QContextMenuEvent, QFontMetrics, QGuiApplication, QWheelEvent
 
 from app.editor import declared_text, messages, widgets
@@ -22,18 +24,11 @@ from core.network.expressions import quoted
 from core.network.macro import SEPARATOR
 from core.records import dataclass
 
+if TYPE_CHECKING:
+    from app.editor.panels.panel_area import PanelArea
+
 _CLICK_MS = 250  # after which a button is up again
 _MOST_REASONS = 3
-
-
-class Requests(QObject):
-    view = Signal(str, str, int)  # node, port, viewer: show that output in that viewer
-    trade_off = Signal(str, str)  # node, parameter: show figures of merit as it moves
-    generate = Signal()  # compute everything
-    handbook = Signal(str)  # node: the page of its module is to be opened
-    named = Signal()  # Enter in the name: the keyboard goes back to the canvas
-    close = Signal(str)  # node: put the panel away
-    illustrated = Signal(str, bool)  # module, on: panels of that kind show their illustration
 
 
 @dataclass(frozen=True)
@@ -41,7 +36,7 @@ class PanelNode:
     session: Session
     evaluator: Evaluator
     name: str
-    requests: Requests
+    area: PanelArea  # which has the signals of what panels ask the window for
 
     @property
     def is_there(self) -> bool:
@@ -244,7 +239,7 @@ class Field(QtWidgets.QWidget):
     def _fill(self, menu: QtWidgets.QMenu) -> None:
         parameter, node = self.parameter, self.node
         if parameter.kind in ("number", "integer"):
-            trade_off = partial(node.requests.trade_off.emit, node.name, parameter.name)
+            trade_off = partial(node.area.trade_off_wanted.emit, node.name, parameter.name)
             about = "Plot figures of merit against this parameter"
             widgets.offer(menu, "trade_off", "Trade off…", trade_off, about=about)
             self.add_link_actions(menu)

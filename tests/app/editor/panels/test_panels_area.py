@@ -155,7 +155,7 @@ def test_toggles_and_problems_stand_in_the_head(qtbot, session):
     assert "context needs a context" in problem.text()  # does not flicker
     area.set_badges({})
     assert not problem.isVisible()
-    with qtbot.waitSignal(area.requests.generate):
+    with qtbot.waitSignal(area.generate_wanted):
         QTest.mouseClick(head.generate, LEFT)
     assert not head.text.isVisible()
     QTest.mouseClick(head.help, LEFT)

@@ -144,14 +144,14 @@ def test_ports_show_what_is_linked_and_are_viewed(qtbot, session, tmp_path):
     labels = [label.text() for label in ports._inputs.values()]
     assert labels == ["context ← init.context", "magnitude ← blur.magnitude"]
     view = ports.findChild(QWidget, "view.output.mtf")
-    with qtbot.waitSignal(area.requests.view) as asked:
+    with qtbot.waitSignal(area.view_wanted) as asked:
         QTest.mouseClick(view, LEFT, pos=view.rect().center() / 2)
     assert asked.args == ["node", "mtf", 1]
-    with qtbot.waitSignal(area.requests.view) as asked:
+    with qtbot.waitSignal(area.view_wanted) as asked:
         view.menu().actions()[2].trigger()
     assert asked.args == ["node", "mtf", 3]
     brought = ports.findChild(QWidget, "view.input.magnitude")
-    with qtbot.waitSignal(area.requests.view) as asked:
+    with qtbot.waitSignal(area.view_wanted) as asked:
         brought.setFocus()
         QTest.keyClick(brought, Qt.Key.Key_Space)
     assert asked.args == ["blur", "magnitude", 1]
