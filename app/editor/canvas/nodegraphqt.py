@@ -20,13 +20,6 @@ from typing import Any
 from PySide6 import QtCore, QtGui, QtWidgets
 
 
-class _Version(tuple[int, ...]):
-    """A version such as ``6.11.3``, compared number by number."""
-
-    def __new__(cls, text: str) -> "_Version":
-        return super().__new__(cls, (int(part) for part in text.split(".")))
-
-
 def _module(name: str, **members: Any) -> ModuleType:
     module = ModuleType(name)
     vars(module).update(members)
@@ -41,7 +34,9 @@ def _stand_ins() -> dict[str, ModuleType]:
 
     core = _module("Qt.QtCore", __getattr__=lambda name: getattr(QtCore, name))
     core.QRegExp = QtCore.QRegularExpression  # type: ignore[attr-defined]
-    version = _module("distutils.version", LooseVersion=_Version)
+    version = _module(
+        "distutils.version", LooseVersion=lambda text: tuple(map(int, text.split(".")))
+    )
     return {
         "Qt": _module(
             "Qt", QtCore=core, QtGui=QtGui, QtWidgets=_module("Qt.QtWidgets", __getattr__=widget)
