@@ -237,36 +237,31 @@ _SCOPES = {
 }
 
 
-class Actions(dict[str, QAction]):
-    def __init__(
-        self, targets: Mapping[str, Callable[[], object]], *, window: QWidget, canvas: QWidget
-    ) -> None:
-        super().__init__()
-        for spec in ACTIONS:
-            action = _made(spec, window, targets[spec.name])
-            (canvas if spec.scope == "canvas" else window).addAction(action)
-            self[spec.name] = action
+Actions = dict[str, QAction]  # by their names
 
-    def of_names(self, names: Iterable[str]) -> list[QAction]:
-        return [self[name] for name in names]
 
-    def fill(self, bar: QMenuBar) -> dict[str, QMenu]:
-        menus: dict[str, QMenu] = {}
-        for spec in ACTIONS:
-            menu = menus.get(spec.menu)
-            if menu is None:
-                menu = menus[spec.menu] = Menu(spec.menu, bar)
-                bar.addMenu(menu)
-                menu.setToolTipsVisible(True)
-            if spec.name in BELOW_A_LINE and menu.actions():
-                menu.addSeparator()
-            menu.addAction(self[spec.name])
-        return menus
+def made_actions(
+    targets: Mapping[str, Callable[[], object]], *, window: QWidget, canvas: QWidget
+) -> Actions:
+    actions: Actions = {}
+    for spec in ACTIONS:
+        action = actions[spec.name] = _made(spec, window, targets[spec.name])
+        (canvas if spec.scope == "canvas" else window).addAction(action)
+    return actions
 
-    def follow_selection(self, selected: bool) -> None:
-        for spec in ACTIONS:
-            if spec.selected:
-                self[spec.name].setEnabled(selected)
+
+def filled_menus(bar: QMenuBar, actions: Actions) -> dict[str, QMenu]:
+    menus: dict[str, QMenu] = {}
+    for spec in ACTIONS:
+        menu = menus.get(spec.menu)
+        if menu is None:
+            menu = menus[spec.menu] = Menu(spec.menu, bar)
+            bar.addMenu(menu)
+            menu.setToolTipsVisible(True)
+        if spec.name in BELOW_A_LINE and menu.actions():
+            menu.addSeparator()
+        menu.addAction(actions[spec.name])
+    return menus
 
 
 def _made(spec: ActionSpec, parent: QWidget, act: Callable[[], object]) -> QAction:

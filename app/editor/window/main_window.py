@@ -21,7 +21,15 @@ from app.editor.theme import THEMES, Look, Theme
 from app.editor.viewers.plot.figures_strip import FiguresStrip
 from app.editor.viewers.viewer import PLOT_TYPES, VIEWER_NUMBERS
 from app.editor.window import background_runs, viewer_docks
-from app.editor.window.actions import CANVAS_MENU, EDITS, NODE_MENU, Actions, EditCommands
+from app.editor.window.actions import (
+    ACTIONS,
+    CANVAS_MENU,
+    EDITS,
+    NODE_MENU,
+    EditCommands,
+    filled_menus,
+    made_actions,
+)
 from app.editor.window.files import Drops, Files, PresetShelf
 from app.editor.window.help import Help
 from app.editor.window.recent_files import DOCKS_VERSION, Settings, recent_menu
@@ -75,10 +83,10 @@ class MainWindow(QMainWindow):
         self.drops = Drops(self.level, self.files, self.canvas, self)
         self.full_screen = viewer_docks.FullScreen(self.viewers, self.session, self)
         self.focus_ring = viewer_docks.FocusRing(self.parts, self)
-        self.actions_by_name = Actions(self._targets(), window=self, canvas=self.canvas)
+        self.actions_by_name = made_actions(self._targets(), window=self, canvas=self.canvas)
         self._spread_actions()
         self.layout_in_use.choose(DEFAULT)
-        self.menus = self.actions_by_name.fill(self.menuBar())
+        self.menus = filled_menus(self.menuBar(), self.actions_by_name)
         self._add_dock_toggles(self.menus["&View"])
         self.layout_menu = layout_menu(settings, self.layout_in_use, self.workbench)
         self.menus["&View"].insertMenu(self.actions_by_name["reset_layout"], self.layout_menu)
@@ -321,13 +329,14 @@ class MainWindow(QMainWindow):
 
     def _spread_actions(self) -> None:
         actions, viewers = self.actions_by_name, self.viewers
-        compare = actions.of_names(("keep_snapshot", "flip", "wipe"))
-        viewers.offer(actions.of_names(("full_screen", "export")), compare)
+        compare = [actions[name] for name in ("keep_snapshot", "flip", "wipe")]
+        viewers.offer([actions["full_screen"], actions["export"]], compare)
         for widget in (self.snapshots_view.list, self.snapshots_view.figures):
             widget.addActions(compare)
-        looks = ("flip", "wipe", "frame", "minimap", "thumbnails")  # they change no network
-        self.panels.addActions(actions.of_names(looks))
-        self.canvas.menus.fill(actions.of_names(NODE_MENU), actions.of_names(CANVAS_MENU))
+        for name in ("flip", "wipe", "frame", "minimap", "thumbnails"):  # they change no network
+            self.panels.addAction(actions[name])
+        of_node, of_canvas = ([actions[name] for name in one] for one in (NODE_MENU, CANVAS_MENU))
+        self.canvas.menus.fill(of_node, of_canvas)
         for name in ("minimap", "thumbnails"):
             actions[name].setChecked(True)
         for name, (dock, _) in self.tools.items():
@@ -417,7 +426,9 @@ class MainWindow(QMainWindow):
     def _follow_selection(self, names: tuple[str, ...]) -> None:
         if names:
             self.layout_in_use.show_panels()
-        self.actions_by_name.follow_selection(bool(names))
+        for spec in ACTIONS:
+            if spec.selected:
+                self.actions_by_name[spec.name].setEnabled(bool(names))
         if alike := self.session.selected_alike:
             text = (
                 f"{len(alike)} nodes of the same module are selected: a new value applies to all "
