@@ -40,10 +40,6 @@ MODES = {"alone": "&Alone", "wipe": "&Wipe", "difference": "&Difference"}
 
 
 class PictureBar(QWidget):
-    opening = Signal()  # the menu of other wires and viewers is about to open
-    other_chosen = Signal(str)  # port: the other wire
-    linked = Signal(int, bool)  # number, on: whether to move with the viewer of that number
-
     def __init__(self, session: Session, owner: str, parent: QWidget) -> None:
         super().__init__(parent)
         self.ports = PortChoice(session, PICTURE_TYPES, "no wire", self)
@@ -68,10 +64,7 @@ class PictureBar(QWidget):
         self.mode = Radio(compare, MODES)
         compare.addSeparator()
         self.others = _inner(compare, "others", "With &Other Wire")
-        self.others.triggered.connect(lambda one: self.other_chosen.emit(one.data()))
         self.links = _inner(compare, "links", "&Move With")
-        self.links.triggered.connect(lambda one: self.linked.emit(one.data(), one.isChecked()))
-        compare.aboutToShow.connect(self.opening)
         self.fit = tool_button(f"{owner}.fit", "Fit", "Show the whole picture (F or 0)", self)
         self.dots = tool_button(
             f"{owner}.dots", "1:1", "Show each sample as one screen pixel (1)", self

@@ -29,6 +29,11 @@ def told(viewer):
     return viewer.status.more.text()
 
 
+def compare_with(viewer, port):
+    viewer.bar.menus[1].aboutToShow.emit()
+    next(one for one in viewer.bar.others.actions() if one.data() == port).trigger()
+
+
 def test_shows_the_samples_of_the_wire_and_tells_them(bench, viewer):
     truth = bench.value(FINAL)
     assert (viewer.picture.samples == truth).all()
@@ -147,8 +152,7 @@ def test_nothing_is_left_of_a_closed_viewer(bench):
         viewer.show()
         bench.settle()
         viewer.bar.profile.setChecked(True)
-        viewer.bar.opening.emit()
-        viewer.bar.other_chosen.emit("scene.image")
+        compare_with(viewer, "scene.image")
         bench.settle()
         return viewer
 
@@ -202,7 +206,7 @@ def test_a_pixel_that_is_wide_enough_has_its_value_written_on_it(viewer, qtbot):
 
 
 def test_wipe(bench, viewer):
-    viewer.bar.other_chosen.emit("blur.mtf")
+    compare_with(viewer, "blur.mtf")
     bench.settle()
     canvas, picture = viewer.canvas, viewer.picture
     assert canvas.second.isVisible()
@@ -242,7 +246,7 @@ def test_profile_means_and_spectrum(bench, viewer):
     assert not viewer.canvas.shows(ProfileLine)
     # Means of rows and columns, of both pictures.
     viewer.bar.means.setChecked(True)
-    viewer.bar.other_chosen.emit("scene.image")
+    compare_with(viewer, "scene.image")
     bench.settle()
     for curves, port in ((slice(0, 2), FINAL), (slice(2, 4), "scene.image")):
         samples = np.asarray(bench.value(port), np.float64)
