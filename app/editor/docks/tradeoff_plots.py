@@ -13,7 +13,7 @@ from PySide6.QtWidgets import QComboBox, QCompleter, QGridLayout, QLineEdit, QWi
 
 from app.editor.declared_text import label_of, shown_number, tip, titled
 from app.editor.panels.chart import Chart, ChartWidget, ordinate_ticks, room_for_ticks
-from app.editor.panels.fields.number import LARGEST_WHOLE_RANGE, scale_of
+from app.editor.panels.fields.number import LARGEST_WHOLE_RANGE, Scale, scale_of
 from app.editor.session import Session
 from app.editor.viewers.plot.plotted_lines import Line
 from app.editor.viewers.viewer import VALUE, NodeChoice, entry
@@ -202,13 +202,9 @@ RANGE = "FROM:TO:COUNT, or FROM:TO:COUNT:log for logarithmic steps"
 
 
 @dataclass(frozen=True)
-class Span:
-    """From one number to a greater one, in equal steps or factors."""
+class Span(Scale):
+    """A scale with so many values on it."""
 
-    low: float
-    high: float
-    log: bool = False
-    whole: bool = False
     count: int = DEFAULT_COUNT
 
     @property
@@ -218,26 +214,6 @@ class Span:
 
     def values(self) -> tuple[float | int, ...]:
         return spaced(self.low, self.high, self.count, log=self.log, whole=self.whole)
-
-    def share(self, value: float) -> float:
-        """Where a number lies: 0 at the low end, 1 at the high one."""
-        low, high, value = (self._scaled(number) for number in (self.low, self.high, value))
-        return (value - low) / (high - low)
-
-    def value_at(self, share: float) -> float | int:
-        """The number at a place, with no more digits than it can be placed by."""
-        share = min(max(share, 0.0), 1.0)
-        low, high = self._scaled(self.low), self._scaled(self.high)
-        value = low + share * (high - low)
-        if self.log:
-            value = float(f"{math.exp(value):.3g}")
-        else:
-            value = round(value, max(0, math.ceil(-math.log10((high - low) / 1000))))
-        value = min(max(value, self.low), self.high)
-        return round(value) if self.whole else value
-
-    def _scaled(self, value: float) -> float:
-        return math.log(max(value, 1e-300)) if self.log else value
 
 
 def usual_span(parameter: Parameter, present: Any) -> Span:
@@ -278,7 +254,8 @@ def typed_span(session: Session, varied: Varied, text: str) -> Span:
     if len(parts) == 1:
         raise UsageError(f"{text!r:.40} is not a range: write {RANGE}")
     low, high = sorted(map(float, parts[:2]))
-    return Span(low, high, values.log, values.parameter.kind == "integer", int(parts[2]))
+    whole = values.parameter.kind == "integer"
+    return Span(low, high, values.log, whole, count=int(parts[2]))
 
 
 def coarse_first(values: tuple[Any, ...]) -> tuple[tuple[Any, ...], ...]:

@@ -50,7 +50,9 @@ class NumberField(TextField):
         self.slider = Slider(self.scale.positions, self)
         self.named(self.slider, ", slider", "slider")
         self.slider.setToolTip(tip(about(self.parameter)))
-        self.slider.moved.connect(lambda at: self._offer_moved(self.scale.value_at(at)))
+        self.slider.moved.connect(
+            lambda at: self._offer_moved(self.scale.value_at(at / self.scale.positions))
+        )
         self.slider.stepped.connect(self._step)
         self.slider.finished.connect(self._end)
         self.slider.given_up.connect(self._give_up_drag)
@@ -347,20 +349,18 @@ _PLAIN = (0.0, 100.0)
 
 @dataclass(frozen=True)
 class Scale:
-    """Positions of a slider over `low` … `high`; `zero`: 0 at the end of a logarithmic one."""
+    """From one number to a greater one, in equal steps or factors; `zero`: these begin at 0."""
 
     low: float
     high: float
+    log: bool = False
     whole: bool = False
     zero: bool = False
 
     @property
-    def logarithmic(self) -> bool:
-        return self.low > 0 and self.high / self.low >= LOGARITHMIC_FROM
-
-    @property
     def positions(self) -> int:
-        if self.logarithmic:
+        """Of a slider."""
+        if self.log:
             return math.ceil(PER_DECADE * math.log10(self.high / self.low))
         span = self.high - self.low
         return int(span) if self.whole and span <= 2 * POSITIONS else POSITIONS
@@ -369,32 +369,28 @@ class Scale:
     def rest(self) -> float:
         return min(max(0.0, self.low), self.high)
 
-    def value_at(self, position: int) -> float | int:
-        """The number at a position, with no more digits than it can be placed by."""
-        share = min(max(position / self.positions, 0.0), 1.0)
-        if self.logarithmic:
-            if self.zero and position <= 0:
+    def share(self, value: float) -> float:
+        """Where a number lies: 0 at the low end, 1 at the high one."""
+        if self.log:
+            return math.log(max(value, 1e-300) / self.low) / math.log(self.high / self.low)
+        return (value - self.low) / (self.high - self.low)
+
+    def value_at(self, share: float) -> float | int:
+        """The number at a place, with no more digits than it can be placed by."""
+        share = min(max(share, 0.0), 1.0)
+        if self.log:
+            if self.zero and share == 0:
                 return 0 if self.whole else 0.0
             value = float(f"{self.low * (self.high / self.low) ** share:.3g}")
         else:
-            step = (self.high - self.low) / self.positions
-            decimals = max(0, math.ceil(-math.log10(step)))
+            decimals = max(0, math.ceil(-math.log10((self.high - self.low) / POSITIONS)))
             value = round(self.low + share * (self.high - self.low), decimals)
         value = min(max(value, self.low), self.high)
         return round(value) if self.whole else value
 
     def position_of(self, value: float | None) -> int:
-        if value is None:
-            value = self.rest
-        if value <= self.low:
-            return 0
-        if value >= self.high:
-            return self.positions
-        if self.logarithmic:
-            share = math.log(value / self.low) / math.log(self.high / self.low)
-        else:
-            share = (value - self.low) / (self.high - self.low)
-        return round(share * self.positions)
+        share = self.share(self.rest if value is None else value)
+        return round(min(max(share, 0.0), 1.0) * self.positions)
 
     def stepped(self, value: float | None, steps: float) -> float | int:
         """So many small steps from a number, which keeps its own digits."""
@@ -402,19 +398,19 @@ class Scale:
         if self.whole:
             steps = math.copysign(max(1.0, abs(steps)), steps)
         result = start + steps * self._step(start, down=steps < 0)
-        if self.logarithmic and start > 0:
+        if self.log and start > 0:
             result = max(result, start / 10)
         return round(result) if self.whole else float(f"{result:.10g}")
 
     def within(self, value: float, start: float | None) -> float | int:
         """Kept on the scale, or not farther off it than the number one started from."""
         start = self.rest if start is None else start
-        floor = 0.0 if self.logarithmic and self.zero else self.low
+        floor = 0.0 if self.log and self.zero else self.low
         clamped = min(max(value, min(floor, start)), max(self.high, start))
         return round(clamped) if self.whole else clamped
 
     def _step(self, value: float, *, down: bool) -> float:
-        if not self.logarithmic:
+        if not self.log:
             step = round_step((self.high - self.low) / 100)
         elif value < self.low:
             step = self.low
@@ -440,7 +436,8 @@ def scale_of(parameter: Parameter) -> Scale:
     if param.below and high == param.high:
         high -= 1 if whole else margin
     zero_allowed = param.low is None or param.low < 0 or (param.low == 0 and not param.above)
-    return Scale(low, high, whole, zero=zero_allowed)
+    log = low > 0 and high / low >= LOGARITHMIC_FROM
+    return Scale(low, high, log, whole, zero=zero_allowed)
 
 
 def _range(parameter: Parameter, whole: bool) -> tuple[float, float]:
@@ -476,15 +473,11 @@ class PathField(TextField):
         self.edit.setToolTip(tip(f"{whole}\n{about(self.parameter)}") if whole else "")
 
     def open_dialog(self) -> None:
-        for other in self.findChildren(QFileDialog, "field.dialog"):
-            other.reject()
         title = f"{'Write' if self._writes else 'Open'} file: {self.node.name} · {self.title}"
         dialog = widgets.labelled(messages.FileDialog(self, title), "field.dialog")
-        dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         dialog.setOption(QFileDialog.Option.DontConfirmOverwrite)  # nothing is written by choosing
         if self._writes:
             dialog.setAcceptMode(QFileDialog.AcceptMode.AcceptSave)
-            dialog.setFileMode(QFileDialog.FileMode.AnyFile)
         else:
             dialog.setFileMode(QFileDialog.FileMode.ExistingFile)
         folder = self.node.session.folder.absolute()
@@ -492,8 +485,7 @@ class PathField(TextField):
             folder = (folder / self.value).parent
         dialog.setDirectory(str(folder))
         dialog.fileSelected.connect(self._chosen)
-        dialog.show()  # what is modal would keep the window from closing
-        dialog.activateWindow()
+        messages.show_beside(self, dialog)
 
     def _chosen(self, name: str) -> None:
         if name:

@@ -83,7 +83,9 @@ def test_all_positions_of_a_slider_are_allowed_and_in_order(key):
     for name in (name for owner, name in NUMBERS if owner == key):
         parameter = declaration(LIBRARY[key]).parameter(name)
         scale = scale_of(parameter)
-        values = [scale.value_at(position) for position in range(scale.positions + 1)]
+        values = [
+            scale.value_at(position / scale.positions) for position in range(scale.positions + 1)
+        ]
         for value in values:
             parameter.coerce(value)
         assert values == sorted(values), name
@@ -104,7 +106,7 @@ def test_a_step_of_a_logarithmic_slider_is_a_tenth_of_the_decade():
         (1.2e5, 3, 1.5e5),
         (340.0, -100, 34.0),  # never below a tenth, however many at once
     ):
-        found = Scale(1.0, 1e6, zero=True).stepped(value, steps)
+        found = Scale(1.0, 1e6, log=True, zero=True).stepped(value, steps)
         assert found == pytest.approx(stepped, rel=1e-10), value
 
 
