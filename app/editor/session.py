@@ -310,12 +310,8 @@ class Level(QObject):
         self.opened.emit()
 
     def _follow(self, before: Any, after: Any) -> None:
-        old, new = renamed_node(before, after) or ("", "")
-        path = self.path
-        for depth in range(1, len(path) + 1):
-            if SEPARATOR.join(path[:depth]) == old:
-                path = (*path[: depth - 1], new.rpartition(SEPARATOR)[2], *path[depth:])
-                break
+        name = followed_name(SEPARATOR.join(self.path), renamed_node(before, after))
+        path = tuple(name.split(SEPARATOR)) if name else ()
         whole = self.session.document.network
         shown = path
         while (network := _inside(whole, shown)) is None:

@@ -15,8 +15,6 @@ from PySide6.QtGui import QGuiApplication
 from app.editor.evaluation import changes, queries, runner
 from app.editor.session import Session
 from core.chain.engine import Plan
-from core.evaluation.recipes import Store
-from core.evaluation.work import Policy
 from core.network.network import Network
 
 PATIENCE_S = 0.33
@@ -55,14 +53,7 @@ class Evaluator(QObject):
     # Whether something is shown as it was before the last changes, since `cancel`.
     behind_changed = Signal(bool)
 
-    def __init__(
-        self,
-        session: Session,
-        *,
-        policy: Policy | None = None,
-        store: Store | None = None,
-        parent: QObject | None = None,
-    ) -> None:
+    def __init__(self, session: Session, *, parent: QObject | None = None) -> None:
         super().__init__(parent)
         self._session = session
         self._inbox = queries.Inbox()
@@ -73,9 +64,7 @@ class Evaluator(QObject):
         )
         self._drawing.timeout.connect(self._rung)
         self._outbox = queries.Outbox(bell.ring)
-        store = Store() if store is None else store
-        boxes = (self._inbox, self._outbox)
-        self._runner = runner.Runner(session.library, policy or Policy(), store, *boxes)
+        self._runner = runner.Runner(session.library, self._inbox, self._outbox)
         self._thread: threading.Thread | None = None
         self._requests: dict[str, tuple[queries.Request, ...]] = {}
         self._least: dict[str, int] = {}  # generation of an answer that is still of use

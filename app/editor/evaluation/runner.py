@@ -93,12 +93,9 @@ class Sent:
 class Runner:
     """Works in a thread of its own until its inbox is stopped."""
 
-    def __init__(
-        self, library: Library, policy: Policy, store: Store, inbox: Inbox, outbox: Outbox
-    ) -> None:
+    def __init__(self, library: Library, inbox: Inbox, outbox: Outbox) -> None:
         self.position: Position | None = None
-        self._policy = policy
-        self._engine = Engine(library, store)
+        self._engine = Engine(library, Store())
         self._workers = Workers()
         self._inbox, self._outbox = inbox, outbox
         self._pace = Pace()
@@ -287,7 +284,7 @@ class Runner:
     def _answer(self, dues: Sequence[Due], task: Task, position: Position) -> None:
         for due in dues:
             position.check()
-            work = PassWork(self._policy, self._engine.store, self._workers, position)
+            work = PassWork(self._engine.store, self._workers, position)
             passing = Passing(self._engine, task.plan, work, task.reduced)
             value, error = None, due.error
             try:
@@ -347,7 +344,7 @@ class Runner:
         plan = self._planned.shown
         self._has_preview = self._small_network(REDUCTIONS[0]) is not None
         position = Position(0, lambda _: self._inbox.waiting)
-        work = PassWork(self._policy, self._engine.store, self._workers, position)
+        work = PassWork(self._engine.store, self._workers, position)
         for sent in self._sent.values():
             if sent.log is not None and sent.reduced == 1:
                 work.log.add(sent.log)
@@ -434,8 +431,8 @@ class Position:
 
 
 class PassWork(Work):
-    def __init__(self, policy: Policy, store: Store, workers: Workers, position: Position) -> None:
-        super().__init__(policy, store, workers=workers)
+    def __init__(self, store: Store, workers: Workers, position: Position) -> None:
+        super().__init__(Policy(), store, workers=workers)
         self._position = position
 
     def check(self) -> None:
