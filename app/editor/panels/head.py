@@ -203,7 +203,6 @@ class PanelHead(QWidget):
 
     def follow(self, node: Node) -> None:
         self.bar.title.show_text(self._module if says_more(self._module, node.id) else "")
-        self.name.show_text(node.id)
         self.show_name_error("")
         self.auto.setChecked(node.auto is not False)
         self.disable.setChecked(node.disabled)

@@ -42,7 +42,7 @@ def csv_text(data: Data) -> str:
     """Every curve or row of the data in full precision, also those that are not shown."""
     if isinstance(data, TableData):
         rows = [(row.name, row.value, row.unit, row.meaning) for row in data.rows]
-        return _lines([("name", "value", "unit", "meaning"), *rows])
+        return csv_lines([("name", "value", "unit", "meaning"), *rows])
     columns: list[tuple[str, Iterable[Any]]] = []
     if isinstance(data, TransferCurves):
         columns.append(("frequency_cyc_per_mrad", data.frequency.tolist()))
@@ -62,18 +62,7 @@ def csv_text(data: Data) -> str:
 def columns_text(columns: Columns) -> str:
     """Columns with their names above them; empty without any."""
     names = [name for name, _ in columns]
-    return _lines([names, *zip_longest(*(values for _, values in columns))]) if names else ""
-
-
-def _lines(rows: Iterable[Sequence[Any]]) -> str:
-    return csv_lines(map(_cell, row) for row in rows)
-
-
-def _cell(value: Any) -> Any:
-    """A number in full; numpy's own would be written with the name of its type."""
-    if isinstance(value, float):
-        return repr(float(value))
-    return "" if value is None else value
+    return csv_lines([names, *zip_longest(*(values for _, values in columns))]) if names else ""
 
 
 def _png(widget: QtWidgets.QWidget) -> bytes:
