@@ -4,7 +4,7 @@ from collections.abc import Callable, Collection, Iterable, Mapping
 from functools import partial
 from typing import Any, Literal
 
-from PySide6.QtCore import QObject, Qt
+from PySide6.QtCore import Qt
 from PySide6.QtGui import QAction, QGuiApplication, QKeySequence
 from PySide6.QtWidgets import QMenu, QMenuBar, QWidget
 
@@ -220,14 +220,6 @@ CANVAS_MENU = ("add_module", "paste", "select_all", "arrange", "frame")
 """What the menu of the empty canvas has."""
 
 
-EDITS = (
-    *("cut", "copy", "paste", "duplicate", "delete", "detach", "select_all", "disable"),
-    "mark_output",
-    *("backdrop", "note", "ungroup", "frame", "arrange"),
-)
-"""Those that are a method of `EditCommands` of that name."""
-
-
 # The window's QActions, made of their specifications.
 
 _SCOPES = {
@@ -278,9 +270,10 @@ _NEW_BACKDROP = (360.0, 200.0)  # where no node is selected
 _NEW_NOTE = (220.0, 90.0)
 
 
-class EditCommands(QObject):
-    def __init__(self, session: Level, canvas: Canvas, parent: QObject) -> None:
-        super().__init__(parent)
+class EditCommands:
+    """What changes the network in view; an action of a method's name is that method."""
+
+    def __init__(self, session: Level, canvas: Canvas) -> None:
         self._session = session
         self._canvas = canvas
 

@@ -24,7 +24,6 @@ from app.editor.window import background_runs, viewer_docks
 from app.editor.window.actions import (
     ACTIONS,
     CANVAS_MENU,
-    EDITS,
     NODE_MENU,
     EditCommands,
     filled_menus,
@@ -68,7 +67,7 @@ class MainWindow(QMainWindow):
         self._build(library)
         self.canvas.show_thumbnails(self.evaluator)
         self.files = Files(self.session, settings, self)
-        self.edits = EditCommands(self.level, self.canvas, self)
+        self.edits = EditCommands(self.level, self.canvas)
         self.help = Help(self.session, self.viewers, self)
         self.shelf = PresetShelf(
             self.level,
@@ -287,7 +286,7 @@ class MainWindow(QMainWindow):
             "quit": self.close,
             "undo": session.undo,
             "redo": session.redo,
-            **{name: getattr(edits, name) for name in EDITS},
+            **{one.name: getattr(edits, one.name) for one in ACTIONS if hasattr(edits, one.name)},
             "copy_values": partial(self._typed_first, edits.copy_values),
             "paste_values": partial(self._typed_first, edits.paste_values),
             "rename": self.panels.edit_name,
