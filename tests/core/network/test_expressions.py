@@ -2,6 +2,7 @@
 
 import contextlib
 import math
+import re
 from fractions import Fraction
 
 import mpmath
@@ -244,3 +245,31 @@ def test_units_measure_one_thing_each():
     for symbol in symbols():
         assert symbol in fitting(symbol)
         assert value(f"1 {symbol}", symbol) == 1
+
+
+PREFIXES = {"": 1, "n": 1e-9, "µ": 1e-6, "u": 1e-6, "p": 1e-12, "m": 1e-3, "c": 1e-2, "k": 1e3,
+            "M": 1e6, "G": 1e9}  # fmt: skip
+SIZES = {"deg": math.pi / 180, "°": math.pi / 180, "arcmin": math.pi / 10800,
+         "arcsec": math.pi / 648000, "h": 3600, "%": 0.01}  # fmt: skip
+PREFIXED = re.compile("([nµupmckMG]?)(m|s|Hz|rad|K|W|A|e-|lx)(?:\\^?([²2]))?")
+
+
+def size_of(symbol):
+    """A unit in the SI's own, by its prefixes; of counts and of units without any, 1."""
+    size = 1.0
+    for number, part in enumerate(symbol.split("/")):
+        match = PREFIXED.fullmatch(part)
+        one = SIZES.get(part, 1.0)
+        if match and part not in SIZES:
+            one = PREFIXES[match[1]] ** (2 if match[3] else 1)
+        size = size / one if number else size * one
+    return size
+
+
+@pytest.mark.parametrize("symbol", symbols())
+def test_every_unit_is_converted_by_its_prefixes(symbol):
+    for other in fitting(symbol):
+        expected = 3 * size_of(symbol) / size_of(other)
+        assert value(f"3 {symbol}", other) == pytest.approx(expected, rel=1e-14)
+    if kind_of(symbol) == kind_of("%"):
+        assert value(f"3 {symbol}") == pytest.approx(3 * size_of(symbol))

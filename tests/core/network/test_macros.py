@@ -176,6 +176,9 @@ MACRO = ("nodes", "camera", "macro")
         ((*MACRO, "parameters", "other"), "jitter.sigma",
          "camera: the macro's parameter other names jitter.sigma, but Jitter MTF has no parameter "
          "sigma"),
+        ((*MACRO, "inputs", "other"), "jiter.context",
+         "camera: the macro's input other names jiter.context, but there is no node jiter inside; "
+         "did you mean jitter?"),
         ((*MACRO, "parameters", "again"), "jitter.sigma_mrad",
          "camera: the inner parameter jitter.sigma_mrad is set by 2 parameters of the macro"),
         ((*MACRO, "inputs", "again"), "init.image",
