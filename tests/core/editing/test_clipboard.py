@@ -45,10 +45,12 @@ def test_pasting_beside_the_original(kodak, library):
     assert after.seed == kodak.seed
 
 
-def test_the_middle_of_what_is_pasted_is_where_one_asks(kodak, library):
-    _, operation = pasted(copied(kodak, NAMES, library), Network(), library, (100.0, -50.0))
+@pytest.mark.parametrize("by", [0, 1])
+def test_the_middle_of_what_is_pasted_is_where_one_asks(kodak, library, by):
+    x, y = 100 + by, -50 + by
+    _, operation = pasted(copied(kodak, NAMES, library), Network(), library, (float(x), float(y)))
     after = operation.apply(Network())
-    assert after.layout == {"detector": (-140, -50), "charge": (100, -50), "back": (340, -50)}
+    assert after.layout == {"detector": (x - 240, y), "charge": (x, y), "back": (x + 240, y)}
 
 
 def test_duplicates_are_fed_by_the_same_wires(kodak, library):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from PySide6.QtGui import QColor
 
-from app.editor.docks.tradeoff_plots import Span, TradeOffPlots
+from app.editor.docks.tradeoff_plots import Span, TradeOffPlots, _ordinate
 from app.editor.viewers.plot.plotted_lines import Line
 from window_hands import place_in
 
@@ -43,3 +43,39 @@ def test_a_geometric_mean_is_halfway_up_powers(plots):
     middle = place_in(plots, 2, 0.5).toPoint()  # of 1e-9 to 1
     ink = plots.grab().toImage().pixelColor(middle)
     assert ink == QColor(plots.charts[2].theme.curves[2])
+
+
+@pytest.mark.parametrize(
+    ("values", "low", "high", "log"),
+    [
+        ([1.0, 100.0], 1.0 - 0.08 * 99, 100.0 + 0.08 * 99, False),
+        ([1.0, 100.1], 1.0 / 1.2, 100.1 * 1.2, True),
+        ([1e-12, 1.0], 1e-9 / 1.2, 1.2, True),
+        ([0.0, 1000.0], -80.0, 1080.0, False),
+        ([-5.0, 1000.0], -5.0 - 80.4, 1080.4, False),
+        ([np.nan, 2.0, 3.0, np.inf], 1.92, 3.08, False),
+        ([3.0, 3.0], 2.7, 3.3, False),
+        ([-2.0, -2.0], -2.2, -1.8, False),
+        ([0.0, 0.0], -1.0, 1.0, False),
+        ([np.nan], -0.08, 1.08, False),
+        ([1.0, 1.0 + 1e-7], 0.9, 1.1, False),
+        ([1.0, 1.0 + 1e-5], 1.0 - 8e-7, 1.0 + 1.08e-5, False),
+    ],
+)
+def test_an_ordinate_is_in_decades_where_values_span_a_hundred(values, low, high, log):
+    axis = _ordinate(("", Line("a", np.arange(len(values)), np.array(values))))
+    assert (axis.low, axis.high) == pytest.approx((low, high), rel=1e-6)
+    assert axis.log == log
+
+
+@pytest.mark.parametrize("count", [1, 4, 5, 7])
+@pytest.mark.parametrize("width", [100, 500, 900, 1400])
+def test_charts_are_wide_enough_in_as_few_rows_as_can_be(qtbot, count, width):
+    made = TradeOffPlots()
+    qtbot.addWidget(made)
+    made.resize(width, 400)
+    made.show_graphs([GRAPHS[0]] * count, Span(0.0, 1.0), "sigma")
+    least, rows = 11 * made.fontMetrics().height(), -(-count // made.across)
+    assert made.across == 1 or made.across * least <= width
+    assert rows == 1 or width // least < -(-count // (rows - 1))  # one row less would not do
+    assert rows * (made.across - 1) < count  # nor a column less

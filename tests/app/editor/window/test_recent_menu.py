@@ -77,5 +77,8 @@ def test_files_are_listed_opened_by_keys_missed_and_cleared(window, settings, sa
 def test_folders_lose_their_middle_and_the_home_folder_is_a_tilde():
     assert folder_text(Path("/data/chains"), 20) == "/data/chains"
     assert folder_text(Path("/data/0123456789/abcdefghij"), 20) == "/data/…89/abcdefghij"
+    long = "/" + "0123456789" * 5
+    assert folder_text(Path(long[:44])) == long[:44]
+    assert folder_text(Path(long[:45])) == f"{long[:14]}…{long[16:45]}"  # 44 letters
     assert folder_text(Path.home()) == "~"
     assert folder_text(Path.home() / "chains") == "~/chains"
