@@ -2,9 +2,11 @@
 
 import pytest
 from PySide6.QtCore import QMimeData, Qt
+from PySide6.QtGui import QColor
 from PySide6.QtTest import QTest
 
 from app.editor.library_view import MIME_TYPE, LibraryView, dragged_module
+from app.editor.theme import DARK, LIGHT
 from core.modules.declaration import declaration
 from screen_places import place_of_module
 
@@ -90,3 +92,11 @@ def test_words_of_the_trade_find_their_module(view, chosen):
         assert {best, *also} <= set(visible(view))
         QTest.keyClick(view.filter, Qt.Key.Key_Return)
         assert chosen[-1] == best
+
+
+@pytest.mark.parametrize("theme", [DARK, LIGHT])
+def test_each_group_is_marked_in_its_colour(view, theme):
+    view.setPalette(theme.palette())
+    for name, item in view.tree.groups.items():
+        mark = item.icon(0).pixmap(16).toImage().pixelColor(2, 2)
+        assert mark == QColor(theme.groups.get(name, theme.line)), name

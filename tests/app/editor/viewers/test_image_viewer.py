@@ -1,12 +1,14 @@
 """The viewer of a wire's picture, with a real worker behind it."""
 
 import numpy as np
+import pyqtgraph as pg
 import pytest
 from PySide6.QtCore import QPoint, QPointF, QRectF, Qt
 from PySide6.QtGui import QImage
 
 from app.editor.viewers.picture.image_viewer import ImageViewer
-from app.editor.viewers.picture.picture_facts import colour_table, grey_levels
+from app.editor.viewers.picture.picture_bar import LevelsBar
+from app.editor.viewers.picture.picture_facts import BINS, Spread, colour_table, grey_levels
 from app.editor.viewers.picture.plots_below import LineMeans, ProfileLine
 from core.editing.operations import remove_nodes, rename_node, set_parameter
 from nodes.files.formats import read_pixels
@@ -285,3 +287,30 @@ def test_samples_are_written_in_full_and_a_picture_as_it_looks(bench, viewer, tm
     for row, column in ((0, 0), (5, 9), (rows - 1, columns - 1)):
         for image in (written, viewer.canvas.first.qimage):
             assert image.pixelColor(column, row).getRgb()[:3] == tuple(wanted[row, column].tolist())
+
+
+def test_the_axis_of_the_histogram_moves_only_where_it_fits_badly(qtbot):
+    bar, counts = LevelsBar(), np.arange(BINS)
+    view = pg.GraphicsView()
+    qtbot.addWidget(view)
+    view.setCentralItem(bar)
+    for ends, levels, seen in (
+        ((0.0, 10.0), (2.0, 5.0), (-0.6, 10.6)),  # six hundredths beside both ends
+        ((0.3, 9.4), (2.0, 5.0), (-0.6, 10.6)),  # more than four fifths: it stays
+        ((0.3, 9.1), (2.0, 5.0), (-0.228, 9.628)),
+        ((2.0, 6.0), (3.0, 4.0), (1.76, 6.24)),
+        ((2.1, 5.9), (-2.0, 4.0), (-2.474, 6.374)),  # the levels are seen too
+        ((2.0, 6.0), (3.0, 14.0), (1.28, 14.72)),
+        ((5.0, 5.0), (5.0, 5.0), (4.9944, 5.0056)),
+    ):
+        bar.show_spread(Spread(*ends, counts), levels)
+        qtbot.waitUntil(lambda: bar._next is None)
+        across, along = bar.vb.viewRange()
+        assert across == pytest.approx([-1.02, 0.0])  # bars grow from 0 to the left
+        assert along == pytest.approx(seen, abs=1e-6)
+        assert bar.getLevels() == pytest.approx(levels)
+        places, bars = bar.plot.getData()
+        assert bars == pytest.approx(np.log1p(counts) / np.log(BINS))
+        if ends[1] > ends[0]:
+            assert np.diff(places) == pytest.approx((ends[1] - ends[0]) / BINS)
+            assert places.mean() == pytest.approx(sum(ends) / 2)
