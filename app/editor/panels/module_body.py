@@ -164,7 +164,7 @@ class PortsView(QWidget):
 
     def _view(self, place: tuple[str, str], number: int) -> None:
         if place in self._sources:
-            self._node.area.view_wanted.emit(*self._sources[place], number)
+            self._node.view_wanted.emit(*self._sources[place], number)
 
 
 class UnknownBody(QWidget):

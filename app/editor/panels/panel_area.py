@@ -160,8 +160,9 @@ class PanelArea(widgets.WheelScrollArea):
         return [name for name in self.panels if name not in wanted]
 
     def _make(self, name: str) -> NodePanel:
-        of = PanelNode(self._session, self.evaluator, name, self)
-        panel = NodePanel(of)
+        asked = self.trade_off_wanted, self.view_wanted
+        of = PanelNode(self._session, self.evaluator, name, *asked)
+        panel = NodePanel(of, self)
         panel.head.fit(self.viewport().height())
         panel.set_badge(self._badges.get(name))
         self.panels[name] = panel
@@ -295,10 +296,9 @@ class Words(QtWidgets.QPlainTextEdit):
 class NodePanel(QtWidgets.QFrame):
     """Head and body of a node's panel, which holds no part of the document itself."""
 
-    def __init__(self, of: PanelNode) -> None:
-        area = of.area
+    def __init__(self, of: PanelNode, area: PanelArea) -> None:
         super().__init__(area.widget())
-        self._of, self._session = of, of.session
+        self._of, self._area, self._session = of, area, of.session
         session, node = of.session, of.name
         self.setFrameShape(QtWidgets.QFrame.Shape.StyledPanel)
         self.node = node
@@ -335,7 +335,7 @@ class NodePanel(QtWidgets.QFrame):
         self.follow(None, session.network)
 
     def _connect(self) -> None:
-        head, area = self.head, self._of.area
+        head, area = self.head, self._area
         head.bar.folded.connect(self._fold)
         head.pin.clicked.connect(
             lambda: self._set("pinned", head.pin.isChecked() or operations.ABSENT)
@@ -379,7 +379,7 @@ class NodePanel(QtWidgets.QFrame):
 
     def _fold_picture(self) -> None:
         shown = not self.head.fold_picture.isChecked()
-        self._of.area.illustrate(self.module, shown)
+        self._area.illustrate(self.module, shown)
 
     def _with_values(self, act: Callable[[Session, tuple[str, ...]], None]) -> None:
         self.finish_typing()
@@ -400,7 +400,7 @@ class NodePanel(QtWidgets.QFrame):
 
     def _leave_name(self) -> None:
         if not self.head.name.marked:
-            self._of.area.named.emit()
+            self._area.named.emit()
 
     def _show_name(self) -> None:
         self.head.name.show_text(self._local_name)

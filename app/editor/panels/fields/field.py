@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import partial
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from PySide6 import QtWidgets
-from PySide6.QtCore import QPoint, Qt, QTimer
+from PySide6.QtCore import QPoint, Qt, QTimer, SignalInstance
 from PySide6.QtGui import QContextMenuEvent, QFontMetrics, QGuiApplication, QWheelEvent
 
 from app.editor import declared_text, messages, widgets
@@ -24,9 +24,6 @@ from core.network.expressions import quoted
 from core.network.macro import SEPARATOR
 from core.records import dataclass
 
-if TYPE_CHECKING:
-    from app.editor.panels.panel_area import PanelArea
-
 _CLICK_MS = 250  # after which a button is up again
 _MOST_REASONS = 3
 
@@ -36,7 +33,8 @@ class PanelNode:
     session: Session
     evaluator: Evaluator
     name: str
-    area: PanelArea  # which has the signals of what panels ask the window for
+    trade_off_wanted: SignalInstance[Any]  # node, parameter
+    view_wanted: SignalInstance[Any]  # node, port, viewer
 
     @property
     def is_there(self) -> bool:
@@ -239,7 +237,7 @@ class Field(QtWidgets.QWidget):
     def _fill(self, menu: QtWidgets.QMenu) -> None:
         parameter, node = self.parameter, self.node
         if parameter.kind in ("number", "integer"):
-            trade_off = partial(node.area.trade_off_wanted.emit, node.name, parameter.name)
+            trade_off = partial(node.trade_off_wanted.emit, node.name, parameter.name)
             about = "Plot figures of merit against this parameter"
             widgets.offer(menu, "trade_off", "Trade off…", trade_off, about=about)
             self.add_link_actions(menu)

@@ -255,7 +255,7 @@ def test_read_outs_follow_edits_are_marked_as_old_and_go_where_they_cannot_be(
 
 def test_the_reason_stands_in_tooltip_and_description(qtbot, session, tmp_path):
     view = ReadoutsView(
-        declaration(FocalPlane), PanelNode(session, NoEvaluator(session), "it", None), None
+        declaration(FocalPlane), PanelNode(session, NoEvaluator(session), "it", None, None), None
     )
     qtbot.addWidget(view)
     netd = view.values["netd_K"]

@@ -405,4 +405,4 @@ def test_a_transfer_function_fills_its_chart_and_marks_lie_on_it(key):
         assert np.abs(
             np.interp(mark.x, lines[mark.colour].frequency, lines[mark.colour].values)
         ) == (pytest.approx(0.5, abs=1e-3))
-    assert {upright.x for upright in chart.uprights} == {line.nyquist for line in lines}
+    assert {at for at, *_ in chart.uprights} == {line.nyquist for line in lines}
