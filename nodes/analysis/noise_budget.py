@@ -16,6 +16,7 @@ from nodes.analysis import lineage
 from nodes.shared.module_ports import TableFigures
 
 Kind = Literal["all", "temporal", "fixed"]
+_KINDS = ("temporal", "fixed")
 _NOTHING = 1e-20  # of the variance: what a source of two kinds has so little of, it has not
 _ROUNDING = 1e-12
 
@@ -70,41 +71,27 @@ def mtf_of_all(shares: BlurShares, axis: int) -> float:
 @ends_lineage
 def noise_shares(work: Work, noise: lineage.ImageNoise, *, kind: Kind) -> NoiseShares:
     noise.require_known()
-    variances: dict[tuple[str, str], dict[bool, float]] = {}
+    variances: dict[tuple[str, str], dict[str, float]] = {}
     for term in noise.terms:
-        by_time = variances.setdefault((term.node, term.name), {})
-        by_time[term.temporal] = by_time.get(term.temporal, 0.0) + max(term.variances.total, 0.0)
-    whole = {
-        temporal: math.fsum(by_time.get(temporal, 0.0) for by_time in variances.values())
-        for temporal in (True, False)
-    }
-    counted = [kind == "temporal"] if kind != "all" else [True, False]
-    total = math.fsum(whole[temporal] for temporal in counted)
-    for by_time in variances.values():
-        for temporal in [key for key in by_time if by_time[key] < _NOTHING * sum(whole.values())]:
-            if len(by_time) > 1:
-                del by_time[temporal]
-
-    def sigma(by_time: dict[bool, float], temporal: bool) -> float | None:
-        there = temporal in by_time and temporal in counted
-        return math.sqrt(by_time[temporal]) if there else None
-
-    def share(by_time: dict[bool, float], temporal: bool) -> float:
-        return by_time.get(temporal, 0.0) / total if total and temporal in counted else 0.0
-
-    shares = (
-        NoiseShare(
-            node,
-            name,
-            sigma(by_time, True),
-            sigma(by_time, False),
-            share(by_time, True),
-            share(by_time, False),
-        )
-        for (node, name), by_time in variances.items()
-        if any(temporal in by_time for temporal in counted)
-    )
-    return NoiseShares(tuple(shares), math.sqrt(whole[True]), math.sqrt(whole[False]), noise.mean)
+        of_source = variances.setdefault((term.node, term.name), {})
+        of = "temporal" if term.temporal else "fixed"
+        of_source[of] = of_source.get(of, 0.0) + max(term.variances.total, 0.0)
+    whole = {of: math.fsum(one.get(of, 0.0) for one in variances.values()) for of in _KINDS}
+    counted = _KINDS if kind == "all" else (kind,)
+    total = math.fsum(whole[of] for of in counted)
+    shares = []
+    for (node, name), of_source in variances.items():
+        scant = [of for of in of_source if of_source[of] < _NOTHING * sum(whole.values())]
+        for of in scant[: len(of_source) - 1]:
+            del of_source[of]
+        there = {of: of_source[of] for of in counted if of in of_source}
+        if there:
+            sigma = {of: math.sqrt(variance) for of, variance in there.items()}
+            temporal, fixed = (there.get(of, 0.0) / total if total else 0.0 for of in _KINDS)
+            pair = sigma.get("temporal"), sigma.get("fixed")
+            shares.append(NoiseShare(node, name, *pair, temporal, fixed))
+    temporal, fixed = (math.sqrt(whole[of]) for of in _KINDS)
+    return NoiseShares(tuple(shares), temporal, fixed, noise.mean)
 
 
 @ends_lineage
@@ -160,9 +147,7 @@ def noise_bars(work: Work, noise: NoiseShares, *, kind: Kind, show: Show, unit: 
         return CurveData(f"{title}: none in this picture", "source", "share (%)", ())
     pairs = [(source_title(share.name), share.node) for share in noise.shares]
     names = distinct(pairs)
-    kinds = [
-        k for k in ("temporal", "fixed") if any(getattr(s, k) is not None for s in noise.shares)
-    ]
+    kinds = [k for k in _KINDS if any(getattr(s, k) is not None for s in noise.shares)]
     if show == "share":
         label = "share of the noise variance (%)"
         heights = [
