@@ -372,14 +372,18 @@ def bands_of(
     _check_ends(info, first, last)
     widths = envi.band_weights_um(info, cut_on_um=low, cut_off_um=high)
     lit = [int(place) for place in np.flatnonzero(widths > 0.0)]
-    places = sorted(lit, key=lambda place: _centre(info, place))
+    places = sorted(lit, key=info.wavelengths_um.__getitem__)
     if not places:
         ends = f"{min(info.wavelengths_um):g} to {max(info.wavelengths_um):g} µm"
         allowed = (
             f"the interval from cut_on_um to cut_off_um must contain bands of the file, {ends}"
         )
         raise ParameterError("cut_on_um", low, allowed)
-    centres = [_middle(info, place, (first[place], last[place]), (low, high)) for place in places]
+    centres = []
+    for place in places:
+        whole = first[place], last[place]
+        left = max(whole[0], low), min(whole[1], high)
+        centres.append(info.wavelengths_um[place] if left == whole else float(sum(left)) / 2.0)
     factors = [
         scale * (1.0 if unit is None else _per_um(unit, centre, last[place] - first[place]))
         for place, centre in zip(places, centres, strict=True)
@@ -400,23 +404,14 @@ def _check_ends(info: PictureInfo, first: Array, last: Array) -> None:
     """Refuse a band that reaches where no light is: widths in another unit than wavelengths."""
     sound = (first > 0.0) & (first < last) & (last <= _WIDEST_UM)
     sound[list(info.bad_bands)] = True  # left out
+    assert info.wavelengths_um is not None
     for place in np.flatnonzero(~sound)[:1]:
         raise FileError(
-            f"{info.path}: band {place} at {_centre(info, int(place)):g} µm extends from "
+            f"{info.path}: band {place} at {info.wavelengths_um[place]:g} µm extends from "
             f"{first[place]:g} to {last[place]:g} µm; bands must have a width and lie between "
             f"0 and {_WIDEST_UM:g} µm: check wavelength, fwhm and wavelength units in the "
             "header"
         )
-
-
-def _centre(info: PictureInfo, place: int) -> float:
-    assert info.wavelengths_um is not None
-    return info.wavelengths_um[place]
-
-
-def _middle(info: PictureInfo, place: int, ends: Interval, interval: Interval) -> float:
-    left = max(ends[0], interval[0]), min(ends[1], interval[1])
-    return _centre(info, place) if left == ends else float(sum(left)) / 2.0
 
 
 def _per_um(unit: RadianceUnit, centre_um: float, width_um: float) -> float:
