@@ -83,14 +83,7 @@ class AlongtrackMTF(MtfModule, key="alongtrack_mtf", title="Alongtrack MTF", gro
     @readout("mrad")
     def blur_y_mrad(self, context: Context) -> float:
         """Width of the smear along the track."""
-        velocity = given("velocity_m_per_s", self.velocity_m_per_s, context)
-        if velocity == 0 or self.integration_time_s == 0:
-            return 0.0
-        return platform_motion.blur_mrad(
-            velocity_m_per_s=velocity,
-            time_s=self.integration_time_s,
-            range_m=given("range_m", self.range_m, context),
-        )
+        return _smear_mrad(self, given("velocity_m_per_s", self.velocity_m_per_s, context), context)
 
 
 class RelativeMotionMTF(
@@ -149,14 +142,19 @@ class RelativeMotionMTF(
     def blur_x_mrad(self, axis: str, context: Context) -> float:
         """Signed width of the horizontal smear."""
         platform, image = f"platform_velocity_{axis}", f"image_velocity_{axis}"
-        velocity = getattr(self, platform) - getattr(self, image)
-        if velocity == 0 or self.integration_time_s == 0:
-            return 0.0
-        return platform_motion.blur_mrad(
-            velocity_m_per_s=velocity,
-            time_s=self.integration_time_s,
-            range_m=given("range_m", self.range_m, context),
-        )
+        return _smear_mrad(self, getattr(self, platform) - getattr(self, image), context)
+
+
+def _smear_mrad(
+    module: AlongtrackMTF | RelativeMotionMTF, velocity_m_per_s: float, context: Context
+) -> float:
+    if velocity_m_per_s == 0 or module.integration_time_s == 0:
+        return 0.0
+    return platform_motion.blur_mrad(
+        velocity_m_per_s=velocity_m_per_s,
+        time_s=module.integration_time_s,
+        range_m=given("range_m", module.range_m, context),
+    )
 
 
 class VibrationMTF(MtfModule, key="vibration_mtf", title="Vibration MTF", group="Motion"):
