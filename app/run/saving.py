@@ -253,7 +253,7 @@ _COLLECTED = 256  # frames between two collections of what refers to itself: 4 M
 def format_for_frames(port: str, path: Path) -> frame_files.FrameFormat:
     kind = frame_files.frame_format(path)
     if kind is None:
-        words = ", ".join(frame_files.frame_suffixes())
+        words = ", ".join(suffixes(*frame_files.FRAME_FORMATS))
         raise errors.UsageError(
             f"--save {port}={path}: with --frames, an image must be written as {words}"
         )

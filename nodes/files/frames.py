@@ -16,7 +16,7 @@ from nodes.files import picture_info
 from nodes.files.arrays import fill_plane, is_npy, npy_header, write_npy_header
 from nodes.files.envi import band_of, info_of
 from nodes.files.envi_header import HEADER_SUFFIX, REAL_TYPES, is_envi, read_layout
-from nodes.files.file_format import ENVI_FRAMES, ZARR, Format, suffixes
+from nodes.files.file_format import ENVI_FRAMES, ZARR, Format
 from nodes.files.formats import NPY, TIFF, check_finite, read_info
 from nodes.files.stored_bytes import StoredBytes, readable_file, stored_bytes
 from nodes.files.tiff_reading import TiffLayout, channel_of, directories, tiff_layouts
@@ -142,10 +142,6 @@ STORE = FrameFormat(**vars(ZARR), whole_numbers=False)
 
 def frame_format(path: Path) -> FrameFormat | None:
     return next((kind for kind in FRAME_FORMATS if kind.matches(path)), None)
-
-
-def frame_suffixes() -> tuple[str, ...]:
-    return suffixes(*FRAME_FORMATS)
 
 
 def write_frames(
