@@ -209,7 +209,7 @@ def _read_out_noises(
     if bias and model != "literal":
         power = _pattern_power(at, bias_pattern, bias, mean, None)
         noises.append(at.coloured("bias", power, temporal=False))
-    return [*noises, *_detector(at, figures, variability_percent)]
+    return [*noises, *_detector(at, picture, figures, variability_percent=variability_percent)]
 
 
 def _pattern_power(
@@ -274,19 +274,15 @@ def read_out(
     return read
 
 
-def _detector(at: AtStep, figures: Recipe, variability_percent: float) -> list[Noise]:
+@in_blocks()
+def _detector(
+    at: AtStep, _picture: Recipe, figures: Recipe, *_: Recipe, variability_percent: float
+) -> list[Noise]:
     spread = variability_percent / 100.0
     return [at.white("detector", at.work.value(figures)["ner"] ** 2 * (1.0 + spread**2))]
 
 
-@in_blocks()
-def _detector_alone(
-    at: AtStep, picture: Recipe, figures: Recipe, *_: Recipe, variability_percent: float
-) -> list[Noise]:
-    return _detector(at, figures, variability_percent)
-
-
-@picture_step(noise=_detector_alone, looks_at=("figures",))
+@picture_step(noise=_detector, looks_at=("figures",))
 @pointwise
 def with_detector_noise(
     work: Work, picture: Array, figures: DetectorFigures, *deviates: Array, **spread: Any
