@@ -280,7 +280,7 @@ def over_bands(factor: Planar, bands: BandStack, weights: Row) -> Planar:
     """
     if factor.by_wavelength is None:
         return factor
-    laws = tuple(factor.by_wavelength.at(wavelength) for wavelength in bands.centres_um)
+    laws = tuple(factor.by_wavelength(wavelength) for wavelength in bands.centres_um)
     if any(law.inputs for law in laws):
         return factor
     shares = Step.of(_shares, bands.means(), node=factor.node, weights=weights)
@@ -498,7 +498,7 @@ class FilteredSum(Recipe):
         """Recipe of those that stand for all bands that count."""
         centres = tuple(self.bands.centres_um[place] for place in used_bands(self.weights))
         laws = (
-            factor.by_wavelength.at(wavelength)
+            factor.by_wavelength(wavelength)
             for factor in self.factors
             for wavelength in centres
             if factor.by_wavelength is not None

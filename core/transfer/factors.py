@@ -8,7 +8,6 @@ in radians, or a complex H of which a wire carries the modulus or the phase.
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Sequence
 from functools import cached_property
 from typing import Any, Literal
@@ -77,22 +76,18 @@ class Law:
         return self.function(**frequencies, **bound)
 
 
-class WavelengthLaw(ABC):
-    """A law at every wavelength by itself; frozen, as it enters the key."""
-
-    @abstractmethod
-    def at(self, wavelength_um: float) -> Law:
-        """The law at one wavelength, µm."""
+WavelengthLaw = Callable[[float], Law]
+"""The law at one wavelength, µm; a frozen dataclass, as it enters the key."""
 
 
 @dataclass(frozen=True)
-class AtWavelength(WavelengthLaw):
+class AtWavelength:
     """A law of which the arguments `names` are the wavelength, µm."""
 
     law: Law
     names: tuple[str, ...] = ("wavelength_um",)
 
-    def at(self, wavelength_um: float) -> Law:
+    def __call__(self, wavelength_um: float) -> Law:
         bound = dict(self.law.parameters) | dict.fromkeys(self.names, wavelength_um)
         return replace(self.law, parameters=tuple(sorted(bound.items())))
 
@@ -202,9 +197,7 @@ class Planar:
         """The factor at one wavelength, µm; as it is where it does not depend on that."""
         if self.by_wavelength is None:
             return self
-        return replace(
-            self, law=self.by_wavelength.at(wavelength_um), cutoff=None, by_wavelength=None
-        )
+        return replace(self, law=self.by_wavelength(wavelength_um), cutoff=None, by_wavelength=None)
 
     def rescaled(self, ratio_x: float, ratio_y: float) -> Planar:
         cutoff = self.cutoff and (self.cutoff[0] / ratio_x, self.cutoff[1] / ratio_y)

@@ -290,8 +290,6 @@ def backend() -> str:
 # matrix for each axis takes the place of the inverse transform: as exact as that, for any ratio of
 # the samples. It takes samples × places multiplications a line.
 
-_BLOCK_SAMPLES = 1 << 18
-
 
 def mirrored_waves(size: int, places: Vector, *, odd: bool) -> Array:
     """Cosines k = 0 … size − 1 of the inverse DCT-II at places, or sines of the inverse DST-II.
@@ -358,7 +356,7 @@ def _mirrored(
         odd: mirrored_waves(grid.columns, places_x, odd=odd).astype(kind) for odd in terms.odd_x
     }
     total = np.zeros((len(places_y), len(places_x)), kind)
-    height = max(1, _BLOCK_SAMPLES // grid.columns)
+    height = max(1, BLOCK_SAMPLES // grid.columns)
     for odd_y in terms.odd_y:
         lines = np.zeros((grid.rows, len(places_x)), kind)
 
@@ -382,7 +380,7 @@ def _periodic(
     kind = spectrum.dtype
     across = periodic_waves(grid.columns, places_x, half=True).astype(kind)
     lines = np.empty((grid.rows, len(places_x)), kind)
-    height = max(1, _BLOCK_SAMPLES // grid.columns)
+    height = max(1, BLOCK_SAMPLES // grid.columns)
 
     def one(start: int) -> None:
         rows = slice(start, min(start + height, grid.rows))

@@ -19,6 +19,7 @@ from core.evaluation.work import Work
 from core.physics.sampling.platform_motion import scale_nodes_mrad, scale_weights
 from core.records import dataclass, replace
 from core.transfer.factors import Edges, Grid, Product, Separable
+from core.transfer.mirrored import BLOCK_SAMPLES, LEAST_COLUMNS
 from core.transfer.periodic import fourier
 from core.transfer.planar_blocks import Planes, thin_product
 
@@ -339,10 +340,8 @@ def _periodic_lines(values: Array, response: Array) -> Array:
 
 Method = Literal["nodes", "direct"]
 MOST_NODES = 32
-BLOCK_SAMPLES = 1 << 18
 FREQUENCIES = 24  # along the scan and in flight, at which blended factors are tried
 LAW_NODES = (4, 8, 12, 16, 24, 32)  # tried in turn
-LEAST_COLUMNS = 64  # narrower blocks are copied in pieces shorter than a line of the cache
 
 
 Filtered = tuple[Array, int, float, float]

@@ -20,8 +20,8 @@ from core.modules.declaration import Caution, Formula, Module, NodeContext, Sect
 from core.modules.preview import Axis, Curve, Plot, Preview, brief
 from core.physics.atmosphere.air_path import (
     AirPath,
-    PathBand,
     extinction_of_visibility,
+    optical_depth,
     path_of_bands,
 )
 from core.physics.detector.photon_conversion import SHORTEST_THERMAL_UM
@@ -349,6 +349,7 @@ def _orbit_altitude_m(image: Image) -> float | None:
 
 Band = tuple[float, float]
 Row = tuple[float, ...]
+Over = tuple[float, float]  # mean transmission of a path over a band, and its path radiance
 _LISTED = 21  # wavelengths in the table
 
 
@@ -367,16 +368,16 @@ def scene_temperature(work: Work, samples: Array, *, factor: float, band_um: Ban
 
 def path_over_band(
     work: Work, *scene_K: float, air: AirPath, band_um: Band | None, source_K: float
-) -> PathBand:
+) -> Over:
     if band_um is None:  # a path that is grey and adds nothing
-        return PathBand(math.exp(-float(air.depth(1.0))), 0.0)
+        return math.exp(-float(air.depth(1.0))), 0.0
     return air.over_band(*band_um, source_K=scene_K[0] if scene_K else source_K)
 
 
-def path_over_bands(work: Work, means: Array, *, weights: Row, gain: Row, offset: Row) -> PathBand:
+def path_over_bands(work: Work, means: Array, *, weights: Row, gain: Row, offset: Row) -> Over:
     added = float(np.dot(weights, offset))
     if min(gain) == max(gain):
-        return PathBand(gain[0], added)
+        return gain[0], added
     light = np.maximum(means * np.array(weights), 0.0)
     total = float(light.sum())
     if not total > 0.0:
@@ -384,11 +385,11 @@ def path_over_bands(work: Work, means: Array, *, weights: Row, gain: Row, offset
             "the transmission cannot be weighted: the mean radiance of the picture's bands is not "
             "above 0"
         )
-    return PathBand(min(float(light @ np.array(gain)) / total, 1.0), added)
+    return min(float(light @ np.array(gain)) / total, 1.0), added
 
 
-def dimming(work: Work, mean: float, over: PathBand) -> LevelChange:
-    return LevelChange(over.transmission, mean, over.transmission * mean)
+def dimming(work: Work, mean: float, over: Over) -> LevelChange:
+    return LevelChange(over[0], mean, over[0] * mean)
 
 
 @picture_step(
@@ -397,22 +398,23 @@ def dimming(work: Work, mean: float, over: PathBand) -> LevelChange:
     )
 )
 @pointwise
-def through_air(work: Work, image: Array, over: PathBand, *, factor: float) -> Array:
+def through_air(work: Work, image: Array, over: Over, *, factor: float) -> Array:
     """τ·L + L_path; `factor` makes W/m²/sr of the samples."""
     number = work.policy.dtype.type
-    made = np.multiply(image, number(over.transmission), dtype=work.policy.dtype)
-    made += number(over.path_radiance / factor)
+    made = np.multiply(image, number(over[0]), dtype=work.policy.dtype)
+    made += number(over[1] / factor)
     return made
 
 
 def path_table(
-    work: Work, over: PathBand, *scene_K: float, air: AirPath, band_um: Band | None, source_K: Any
+    work: Work, over: Over, *scene_K: float, air: AirPath, band_um: Band | None, source_K: Any
 ) -> TableData:
-    depth = over.optical_depth if math.isfinite(over.optical_depth) else None
+    transmission, radiance = over
+    depth = optical_depth(transmission=transmission) if transmission > 0.0 else None
     weighted_by = None if air.is_grey else (scene_K[0] if scene_K else source_K)
     rows: list[tuple[Any, ...]] = [
-        ("transmission", over.transmission, "", "mean transmission over the band"),
-        ("path_radiance", over.path_radiance, "W/m²/sr", "path radiance, integrated over the band"),
+        ("transmission", transmission, "", "mean transmission over the band"),
+        ("path_radiance", radiance, "W/m²/sr", "path radiance, integrated over the band"),
         ("optical_depth", depth, "", "−ln of the mean transmission; empty if no light passes"),
         ("range_m", air.range_m, "m", "range for which the transmission holds"),
         ("weighted_by_K", weighted_by, "K",

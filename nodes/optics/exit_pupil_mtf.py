@@ -19,7 +19,7 @@ from core.physics.optics.diffraction_otf import Spectrum, band_wavelengths
 from core.physics.optics.wavefront import autocorrelation, complex_pupil, wavefront_waves
 from core.physics.sampling.detector_sampling import error_estimate
 from core.records import dataclass, field, replace
-from core.transfer.factors import Law, Planar, WavelengthLaw
+from core.transfer.factors import Law, Planar
 from nodes.optics.band_spectrum import (
     DetectorResponse,
     at_each_band,
@@ -62,7 +62,7 @@ class PupilScale:
 
 
 @dataclass(frozen=True)
-class PupilLaw(WavelengthLaw):
+class PupilLaw:
     """The OTF of a pupil at every wavelength by itself; `interpolation` None: in closed form."""
 
     pupil: Pupil
@@ -70,7 +70,7 @@ class PupilLaw(WavelengthLaw):
     interpolation: str | None
     node: str = field(default="", compare=False)
 
-    def at(self, wavelength_um: float) -> Law:
+    def __call__(self, wavelength_um: float) -> Law:
         scale = self.scale.at(wavelength_um)
         if self.interpolation is not None:
             return sampled_factors(self.pupil, scale, self.interpolation, "", self.node)[0].law

@@ -37,20 +37,8 @@ VISIBLE_UM = 0.55
 _NEAR = 1e-9  # by which a table may end before the band
 
 
-@dataclass(frozen=True)
-class PathBand:
-    """Mean transmission of a path over a band, and what it adds to the radiance, W/m²/sr."""
-
-    transmission: float
-    path_radiance: float
-
-    @property
-    def optical_depth(self) -> float:
-        """−ln of the transmission, infinite where nothing passes."""
-        return _depth(self.transmission)
-
-
-def _depth(transmission: float) -> float:
+def optical_depth(*, transmission: float) -> float:
+    """−ln of a transmission, infinite where nothing passes."""
     return -math.log(transmission) + 0.0 if transmission > 0.0 else math.inf
 
 
@@ -147,8 +135,10 @@ class AirPath:
         emissivity = -np.expm1(-self.depth(wavelength))
         return np.asarray(emissivity * spectral_radiance(wavelength, self.air_K))
 
-    def over_band(self, cut_on_um: float, cut_off_um: float, *, source_K: float | None) -> PathBand:
-        """Mean transmission ∫τ·L_λ dλ/∫L_λ dλ and path radiance ∫L_path dλ of a band.
+    def over_band(
+        self, cut_on_um: float, cut_off_um: float, *, source_K: float | None
+    ) -> tuple[float, float]:
+        """Mean transmission ∫τ·L_λ dλ/∫L_λ dλ, and path radiance ∫L_path dλ, W/m²/sr, of a band.
 
         A black body of `source_K` weights the transmission; None for a weight that is the same all
         over. It is of no account where all wavelengths pass alike. A table must cover the band.
@@ -166,7 +156,7 @@ class AirPath:
                     f"{cut_off_um:g} µm, so it cannot weight the transmission"
                 )
             passed = float(weight @ np.exp(-self.depth(wavelength))) / total
-            return PathBand(min(passed, 1.0), float(width @ self.added(wavelength)))
+            return min(passed, 1.0), float(width @ self.added(wavelength))
         depth = self._grey_depth()
         added = 0.0
         if self.radiance:
@@ -174,7 +164,7 @@ class AirPath:
         elif self.air_K is not None:
             band = {"cut_on_um": cut_on_um, "cut_off_um": cut_off_um}
             added = -math.expm1(-depth) * float(band_radiance(temperature_K=self.air_K, **band))
-        return PathBand(math.exp(-depth), added)
+        return math.exp(-depth), added
 
     def require_covered(self, cut_on_um: float, cut_off_um: float) -> None:
         """Refuse a band that a table does not cover (`DataError`)."""
@@ -193,7 +183,7 @@ class AirPath:
         """Optical depth at 0.55 µm, or at all wavelengths."""
         if self.extinction_per_km is not None and self.range_m is not None:
             return self.extinction_per_km * (self.range_m / 1000.0)
-        return _depth(self.transmission)
+        return optical_depth(transmission=self.transmission)
 
     @property
     def places_um(self) -> tuple[float, ...]:
@@ -229,9 +219,9 @@ def path_of_bands(
             gain.append(math.exp(-float(air.depth(centre))))
             added.append(float(air.added(centre)))
             continue
-        band = air.within_band(low, high).over_band(low, high, source_K=None)
-        gain.append(band.transmission)
-        added.append(band.path_radiance / (high - low))
+        passed, radiance = air.within_band(low, high).over_band(low, high, source_K=None)
+        gain.append(passed)
+        added.append(radiance / (high - low))
     return tuple(gain), tuple(added)
 
 
