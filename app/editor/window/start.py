@@ -13,6 +13,7 @@ from PySide6.QtWidgets import QApplication, QWidget
 
 from app.editor.qt_libraries import nothing_collected
 from app.editor.theme import THEMES, Look
+from app.editor.viewers.plot.plot_export import png_bytes
 from app.editor.window.files import open_named
 from app.editor.window.main_window import MainWindow
 from app.editor.window.recent_files import Settings
@@ -170,7 +171,7 @@ def take(
                 "curves": window.viewers.plot,
             }
             drawn = parts[part].grab().toImage() if part in parts else _picture(window, size)
-            write_bytes(file, encoded(drawn))
+            write_bytes(file, png_bytes(drawn))
         finally:
             window.close_for_good()
             app.processEvents()
@@ -210,12 +211,3 @@ def _picture(window: MainWindow, size: tuple[int, int]) -> QtGui.QImage:
             QtCore.QSize(*size), QtCore.Qt.AspectRatioMode.KeepAspectRatio, smooth
         )
     return picture
-
-
-def encoded(image: QtGui.QImage) -> bytes:
-    buffer = QtCore.QBuffer()
-    writer = QtGui.QImageWriter(buffer, QtCore.QByteArray(b"PNG"))
-    writer.setCompression(20)  # half the time of the usual one; files are no larger
-    if not writer.write(image):
-        raise FileError("the screenshot could not be encoded as PNG")
-    return bytes(buffer.data().data())

@@ -35,15 +35,14 @@ class FiguresStrip(Viewer):
         self._names: tuple[str, ...] = ()
         self._layout = widgets.FlowLayout(self, across=10, down=2)  # no figure is ever cut short
         self._layout.setContentsMargins(8, 2, 8, 3)
-        for name, caption in ((OUTPUT, "Output"), *ELECTRONICS_FIGURES, (RUN_TIME, "Run time")):
-            self._add(name, caption)
+        for _ in (OUTPUT, *ELECTRONICS_FIGURES, RUN_TIME):
+            self._add_slot()
         self._name_slots(ELECTRONICS_FIGURES)
         session.selection_changed.connect(self.ask)
         evaluator.pass_done.connect(self._pass_done)
         self._freshness = Freshness(session, evaluator, self)
         self._freshness.changed.connect(self._mark)
-        self._show(None)
-        self.label(RUN_TIME).show_text(NONE)
+        self.follow_opening()
 
     def event(self, event: QEvent) -> bool:
         """No line of figures is cut off where they take several."""
@@ -80,11 +79,9 @@ class FiguresStrip(Viewer):
         self._show(None)
         self.label(RUN_TIME).show_text(NONE)
 
-    def _add(self, name: str, caption: str) -> None:
+    def _add_slot(self) -> None:
         both = QWidget(self)
-        head = widgets.ElidedLabel(f"{self.owner}.{name}.caption", f"What {caption} means", both)
-        head.show_text(caption)
-        value = widgets.ElidedLabel(f"{self.owner}.{name}", caption, both)
+        head, value = widgets.ElidedLabel("", "", both), widgets.ElidedLabel("", "", both)
         widgets.filled(QVBoxLayout(both), head, value, spacing=0)
         self._layout.addWidget(both)
         head.setForegroundRole(theme.FAINT)
@@ -95,7 +92,8 @@ class FiguresStrip(Viewer):
         if names == self._names:
             return
         self._names = names
-        for (head, value), (name, caption) in zip(self._slots[1:-1], shown, strict=True):
+        captions = ((OUTPUT, "Output"), *shown, (RUN_TIME, "Run time"))
+        for (head, value), (name, caption) in zip(self._slots, captions, strict=True):
             widgets.labelled(head, f"{self.owner}.{name}.caption", f"What {caption} means")
             head.show_text(caption)
             widgets.labelled(value, f"{self.owner}.{name}", caption)
