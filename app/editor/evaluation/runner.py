@@ -54,10 +54,6 @@ class Due:
             error = as_error(raised)
             return cls(request, ("error", error_text(error)), error)
 
-    @property
-    def is_picture(self) -> bool:
-        return self.request.query.urgency <= 0
-
 
 @dataclass(frozen=True)
 class Task:
@@ -311,7 +307,7 @@ class Runner:
         self._sent[request] = Sent(due.key, work.log if work else None, reduced, error)
         of = (snapshot.generation, request.owner, request.query)
         self._outbox.deliver(Answer(*of, value, error, reduced))
-        if due.is_picture:
+        if request.query.urgency <= 0:
             self._pace.shown()
 
     def _is_cancelled(self, snapshot: Snapshot) -> bool:

@@ -108,9 +108,7 @@ class MainWindow(QMainWindow):
 
     def set_theme(self, theme: Theme) -> None:
         self.theme = theme
-        app = QApplication.instance()
-        if isinstance(app, QApplication):
-            app.setPalette(theme.palette())
+        QApplication.setPalette(theme.palette())
         self.actions_by_name["light"].setChecked(theme.look == "light")
 
     def toggle_light(self) -> None:
@@ -444,8 +442,7 @@ class MainWindow(QMainWindow):
             self.level.enter(name)
             return
         self.level.select([name])
-        self.panel_dock.show()
-        self.panel_dock.raise_()
+        viewer_docks.bring_forward(self.panel_dock)
 
     def _chosen_in_library(self, key: str) -> None:
         if not self.shelf.add(key, self.canvas.surface.cursor_point()):

@@ -58,13 +58,11 @@ class ViewerDocks(QObject):
 
     def look_at(self, number: int, port: str) -> None:
         self._viewer(number).look_at(port)
-        self.docks[number].show()
-        self.docks[number].raise_()
+        bring_forward(self.docks[number])
 
     def plot_port(self, port: str) -> None:
         self.plot.look_at(port)
-        self.plot_dock.show()
-        self.plot_dock.raise_()
+        bring_forward(self.plot_dock)
 
     def look_at_node(self, name: str, number: int) -> None:
         """Show the first output of a node that is a picture; a curve in the plot viewer."""
@@ -144,10 +142,11 @@ def in_front(dock: QtWidgets.QDockWidget) -> bool:
     return dock.isVisible() and not dock.visibleRegion().isEmpty()
 
 
-def bring_forward(dock: QtWidgets.QDockWidget, focus: QtWidgets.QWidget) -> None:
+def bring_forward(dock: QtWidgets.QDockWidget, focus: QtWidgets.QWidget | None = None) -> None:
     dock.show()
     dock.raise_()
-    focus.setFocus(Qt.FocusReason.OtherFocusReason)
+    if focus is not None:
+        focus.setFocus(Qt.FocusReason.OtherFocusReason)
 
 
 # One viewer over the whole screen, and back to its dock.
