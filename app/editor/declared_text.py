@@ -2,16 +2,13 @@
 
 import html
 import re
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 from typing import Any
-
-from PySide6.QtCore import QObject, Signal
 
 from core.errors import ImagechainError, ParameterError, listed
 from core.modules.parameters import Parameter
 from core.network.expressions import ExpressionError, parse_expression, value_of
-from core.records import dataclass, replace
 
 # Ends of names that are the unit, which stands beside the value.
 _UNITS = re.compile(
@@ -248,60 +245,6 @@ def numbers_of(text: str, parameter: Parameter) -> list[float | int | str | None
     else:
         parts = text.split()
     return [number_of(part, parameter) for part in parts]
-
-
-# Which numbers of the network a fit is to determine, and within what limits.
-
-
-@dataclass(frozen=True)
-class FreeNumber:
-    """A parameter that is free for a fit; a limit that is None is the parameter's own."""
-
-    node: str
-    name: str
-    low: float | None = None
-    high: float | None = None
-
-    @property
-    def place(self) -> tuple[str, str]:
-        return self.node, self.name
-
-    @property
-    def port(self) -> str:
-        return f"{self.node}.{self.name}"
-
-
-class FreeNumbers(QObject):
-    """The free parameters of the open document. No file holds them, and undo leaves them."""
-
-    changed = Signal()  # others are free, or their limits differ
-
-    def __init__(self, parent: QObject | None = None) -> None:
-        super().__init__(parent)
-        self._numbers: dict[tuple[str, str], FreeNumber] = {}
-
-    @property
-    def all(self) -> tuple[FreeNumber, ...]:
-        return tuple(self._numbers.values())
-
-    def has(self, node: str, name: str) -> bool:
-        return (node, name) in self._numbers
-
-    def put(self, number: FreeNumber) -> None:
-        self._set({**self._numbers, number.place: number})
-
-    def fix(self, node: str, name: str) -> None:
-        self._set({place: one for place, one in self._numbers.items() if place != (node, name)})
-
-    def follow(self, name_now: Callable[[str], str], nodes: Collection[str]) -> None:
-        """Take the names that nodes have now; what is of no node any more is free no more."""
-        now = [replace(one, node=name_now(one.node)) for one in self._numbers.values()]
-        self._set({one.place: one for one in now if one.node in nodes})
-
-    def _set(self, numbers: dict[tuple[str, str], FreeNumber]) -> None:
-        if numbers != self._numbers:
-            self._numbers = numbers
-            self.changed.emit()
 
 
 _ANY_THOUSANDS = re.compile(r"(?<![\d.,])[1-9]\d{0,2},\d{3}(?![\d,.])")

@@ -6,7 +6,7 @@ from typing import Any
 
 from PySide6.QtCore import QObject, Signal
 
-from app.editor.declared_text import FreeNumbers, error_text
+from app.editor.declared_text import error_text
 from app.editor.messages import told
 from app.run.staging import read_record, remember_chosen
 from core.editing.document import Document
@@ -18,7 +18,25 @@ from core.modules.parameters import Parameter
 from core.network import linked_values
 from core.network.macro import SEPARATOR, declared_node, expanded, path_of, unfolded
 from core.network.network import Network, Node
-from core.records import replace
+from core.records import dataclass, replace
+
+
+@dataclass(frozen=True)
+class FreeNumber:
+    """A parameter that is free for a fit; a limit that is None is the parameter's own."""
+
+    node: str
+    name: str
+    low: float | None = None
+    high: float | None = None
+
+    @property
+    def place(self) -> tuple[str, str]:
+        return self.node, self.name
+
+    @property
+    def port(self) -> str:
+        return f"{self.node}.{self.name}"
 
 
 class Session(QObject):
@@ -28,13 +46,15 @@ class Session(QObject):
     changed = Signal(object, object)  # (before, after): the network has changed; both are `Network`
     state_changed = Signal()  # path, modified mark or what undo and redo would do may have changed
     selection_changed = Signal(tuple)  # (names): other nodes are selected: a tuple of ids
+    free_changed = Signal()  # other numbers are free for a fit, or their limits differ
     # (kind, text): A line for the person; kind is "note", "warning" or "error"
     message = Signal(str, str)
 
     def __init__(self, library: Library, parent: QObject | None = None) -> None:
         super().__init__(parent)
         self.library = library
-        self.free = FreeNumbers(self)
+        # What a fit is to determine: no file holds it, and undo leaves it.
+        self.free: tuple[FreeNumber, ...] = ()
         self._chosen: set[Path] = set()
         self.document = Document(Network(), library=library)
         self.document.listen(self._changed)
@@ -119,7 +139,7 @@ class Session(QObject):
         self.document = document
         self.network = unfolded(document.network)
         self._chosen.clear()
-        self.free.follow(str, ())
+        self._set_free(())
         document.listen(self._changed)
         self.selection = ()
         self.opened.emit()
@@ -190,6 +210,18 @@ class Session(QObject):
                 "warning", f"could not record the chosen output file for later runs: {error}"
             )
 
+    def make_free(self, number: FreeNumber) -> None:
+        """Free a number for a fit, in place of itself where it is free within other limits."""
+        self._set_free({one.place: one for one in (*self.free, number)}.values())
+
+    def fix(self, node: str, name: str) -> None:
+        self._set_free(one for one in self.free if one.place != (node, name))
+
+    def _set_free(self, numbers: Iterable[FreeNumber]) -> None:
+        before, self.free = self.free, tuple(numbers)
+        if self.free != before:
+            self.free_changed.emit()
+
     def select(self, names: Iterable[str]) -> None:
         chosen = tuple(name for name in dict.fromkeys(names) if name in self.network.nodes)
         if chosen != self.selection:
@@ -199,7 +231,8 @@ class Session(QObject):
     def _changed(self, _before: Network, after: Network) -> None:
         shown, self.network = self.network, unfolded(after)
         renamed = renamed_node(shown, self.network)
-        self.free.follow(lambda name: followed_name(name, renamed), self.network.nodes)
+        free = [replace(one, node=followed_name(one.node, renamed)) for one in self.free]
+        self._set_free(one for one in free if one.node in self.network.nodes)
         self.changed.emit(shown, self.network)
         self.state_changed.emit()
         self.select(followed_name(name, renamed) for name in self.selection)

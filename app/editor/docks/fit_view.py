@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING, Any
 from PySide6 import QtGui, QtWidgets
 from PySide6.QtCore import QSignalBlocker, Qt, Signal
 
-from app.editor.declared_text import FreeNumber, about, label_of, shown_number, tip, typed_number
+from app.editor.declared_text import about, label_of, shown_number, tip, typed_number
 from app.editor.docks import measure_view
 from app.editor.docks.edges import DrawnEdge, SpreadChart, drawn_edges
 from app.editor.messages import NoticeList, Severity, choose_pictures, sentence
-from app.editor.session import Session
+from app.editor.session import FreeNumber, Session
 from app.editor.theme import CHANGED
 from app.editor.viewers.plot.plot_export import have_plot_menu
 from app.editor.viewers.viewer import StatusLine
@@ -84,7 +84,7 @@ class FitView(measure_view.WorkerView):
     @property
     def _given(self) -> object:
         """What a fit is made of: with another one, what is shown is old."""
-        free = {(one.place, one.low, one.high) for one in self._session.free.all}
+        free = {(one.place, one.low, one.high) for one in self._session.free}
         return self._session.document.network, self.pictures, free
 
     def begin(self) -> None:
@@ -94,7 +94,7 @@ class FitView(measure_view.WorkerView):
             self._say("choose a picture first", failed=True)
             return
         session, network = self._session, self._session.plain
-        folder, free = session.folder, session.free.all
+        folder, free = session.folder, session.free
 
         def job(stop: threading.Event, report: measure_view.Report) -> FitResult:
             # Imported where it is used: the window opens without it.
@@ -187,7 +187,7 @@ class FitView(measure_view.WorkerView):
         self.table.refused.connect(lambda text: self._say(text, failed=True))
         self.table.itemSelectionChanged.connect(self._show_buttons)
         self.which.currentIndexChanged.connect(self._show_edge)
-        self._session.free.changed.connect(self.show_state)
+        self._session.free_changed.connect(self.show_state)
         self._session.opened.connect(self.forget)
         self._session.changed.connect(self.show_state)
 
@@ -196,7 +196,7 @@ class FitView(measure_view.WorkerView):
         pictures = self.pictures
         self.name.setText(_NO_PICTURE if pictures is None else measure_view.pictures_name(pictures))
         self.name.setToolTip("" if pictures is None else measure_view.pictures_text(pictures))
-        count = len(self._session.free.all)
+        count = len(self._session.free)
         self.table.setVisible(bool(count))
         self._show_buttons()
         if self.busy:
@@ -213,7 +213,7 @@ class FitView(measure_view.WorkerView):
             return []
         from app.fit.fit_result import hardly_determined  # start-up time
 
-        free = {one.port for one in self._session.free.all}
+        free = {one.port for one in self._session.free}
         return [
             one
             for one in self.outcome.parameters
@@ -233,7 +233,7 @@ class FitView(measure_view.WorkerView):
         )
 
     def _show_buttons(self) -> None:
-        busy, free = self.busy, self._session.free.all
+        busy, free = self.busy, self._session.free
         self.fit.setEnabled(not busy and bool(free) and self.pictures is not None)
         self.stop.setEnabled(busy)
         self.taking.setEnabled(not busy and bool(self._determined))
@@ -354,9 +354,9 @@ class FreeTable(CopiedTable):
         self.write()
 
     def remove_marked(self) -> None:
-        free = self._session.free.all
+        free = self._session.free
         if 0 <= self.currentRow() < len(free):
-            self._session.free.fix(*free[self.currentRow()].place)
+            self._session.fix(*free[self.currentRow()].place)
 
     def keyPressEvent(self, event: QtGui.QKeyEvent) -> None:
         if event.key() in (Qt.Key.Key_Delete, Qt.Key.Key_Backspace) and not event.modifiers():
@@ -366,7 +366,7 @@ class FreeTable(CopiedTable):
 
     def write(self) -> None:
         by_port = {one.port: one for one in self._fitted}
-        free = self._session.free.all
+        free = self._session.free
         with QSignalBlocker(self):
             self.setRowCount(len(free))
             for row, number in enumerate(free):
@@ -411,7 +411,7 @@ class FreeTable(CopiedTable):
         return f"{label_of(number.name)} of {number.node}", now, value, error, unit, low, high
 
     def _typed(self, item: QtWidgets.QTableWidgetItem) -> None:
-        number = self._session.free.all[item.row()]
+        number = self._session.free[item.row()]
         parameter, text = self._session.parameter(*number.place), item.text().strip()
         if parameter is None or item.column() not in _LIMITS:
             return
@@ -429,4 +429,4 @@ class FreeTable(CopiedTable):
             self.refused.emit(f"{number.port}: {error.message}")
             self.write()
         else:
-            self._session.free.put(changed)
+            self._session.make_free(changed)

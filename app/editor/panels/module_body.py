@@ -56,7 +56,7 @@ class ModuleBody(QWidget):
         self._node = node.name
         self._valued: Node | None = None
         self.sections = SectionsView(declaration, node, self)
-        node.session.free.changed.connect(self._mark_free)
+        node.session.free_changed.connect(self._mark_free)
         self._mark_free()
         self._column = widgets.filled(
             QVBoxLayout(self), self.sections, margins=(8, 4, 8, 8), spacing=4
@@ -88,8 +88,9 @@ class ModuleBody(QWidget):
             self._column.addWidget(part)
 
     def _mark_free(self) -> None:
+        free = [one.place for one in self._session.free]
         for field in self.sections.fields:
-            field.show_free(self._session.free.has(self._node, field.parameter.name))
+            field.show_free((self._node, field.parameter.name) in free)
         self.sections.line_up()  # names are longer then
 
 

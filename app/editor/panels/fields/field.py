@@ -13,7 +13,7 @@ from PySide6.QtGui import QContextMenuEvent, QFontMetrics, QGuiApplication, QWhe
 from app.editor import declared_text, messages, widgets
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.panels.fields.type_in import NameLabel, TypeIn, discard_typing
-from app.editor.session import Session
+from app.editor.session import FreeNumber, Session
 from app.editor.theme import CHANGED, ERROR, FAINT, TEXT
 from core.editing import macros
 from core.editing.clipboard import copied_values, pasted_values
@@ -475,14 +475,14 @@ _SWITCH = {"on": True, "true": True, "yes": True, "off": False, "false": False, 
 
 
 def add_fit_action(menu: QtWidgets.QMenu, session: Session, node: str, parameter: str) -> None:
-    is_free = session.free.has(node, parameter)
+    is_free = (node, parameter) in [one.place for one in session.free]
     if not is_free and parameter in session.network.nodes[node].linked:
         return  # what it follows can be free
     menu.addSeparator()
-    act: Callable[[], object] = partial(session.free.put, declared_text.FreeNumber(node, parameter))
+    act: Callable[[], object] = partial(session.make_free, FreeNumber(node, parameter))
     name, text = "free", "Free for a fit"
     if is_free:
-        act = partial(session.free.fix, node, parameter)
+        act = partial(session.fix, node, parameter)
         name, text = "fix", "Fix (do not fit)"
     action = widgets.offer(menu, name, text, act, about=_ABOUT_FREE)
     action.setStatusTip(_ABOUT_FREE)

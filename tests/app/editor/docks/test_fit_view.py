@@ -9,7 +9,7 @@ from PySide6.QtGui import QContextMenuEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMenu
 
-from app.editor.declared_text import FreeNumber
+from app.editor.session import FreeNumber
 from core.editing.operations import rename_node, set_parameter
 from edge_truth import HEADER, blur_network, gaussian_edge
 from window_hands import choose_file
@@ -142,19 +142,19 @@ def test_buttons_warn_of_another_camera_and_offer_no_value_that_may_be_another(
 def test_what_is_not_determined_is_not_taken_and_faults_are_one_line(fitting, files, qtbot):
     window, view = fitting, fitting.fitting
     session = window.session
-    session.free.put(FreeNumber("init", "range_m"))  # no blur depends on it
-    session.free.put(FreeNumber("blur", "sigma_x_mrad"))
+    session.make_free(FreeNumber("init", "range_m"))  # no blur depends on it
+    session.make_free(FreeNumber("blur", "sigma_x_mrad"))
     view.table.item(1, LOW).setText("0.01")
     view.table.item(1, HIGH).setText("30 urad")
-    assert session.free.all[1] == FreeNumber("blur", "sigma_x_mrad", 0.01, 0.03)
+    assert session.free[1] == FreeNumber("blur", "sigma_x_mrad", 0.01, 0.03)
     view.table.item(1, HIGH).setText("0.005")
     assert "must be below" in view.status.title.text()
     assert view.table.item(1, HIGH).text() == "0.03"
     view.table.item(1, HIGH).setText("")
-    assert session.free.all[1].high is None
+    assert session.free[1].high is None
     view.table.setCurrentCell(1, 0)
     qtbot.keyClick(view.table, Qt.Key.Key_Delete)
-    assert [one.port for one in session.free.all] == ["init.range_m"]
+    assert [one.port for one in session.free] == ["init.range_m"]
     view.take_files((files / "edge.npy",))
     view.begin()
     qtbot.waitUntil(lambda: view.outcome is not None)
@@ -169,13 +169,13 @@ def test_what_is_not_determined_is_not_taken_and_faults_are_one_line(fitting, fi
     view.begin()
     qtbot.waitUntil(lambda: "no edge can be used" in view.status.title.text())
     assert view.outcome is None
-    session.free.put(FreeNumber("blur", "sigma_x_mrad"))
+    session.make_free(FreeNumber("blur", "sigma_x_mrad"))
     session.do(rename_node("blur", "smear"))
-    assert session.free.has("smear", "sigma_x_mrad")
+    assert session.free[-1].place == ("smear", "sigma_x_mrad")
     view.begin()
     window.files.open_now(str(files / "net.json"))
     assert not view.busy
-    assert session.free.all == ()
+    assert session.free == ()
     for button in (view.file, view.fit, view.stop, view.taking, view.remove):
         assert button.toolTip()
         assert button.accessibleName()
