@@ -34,12 +34,11 @@ _TYPE = QEvent.Type
 class Canvas(QWidget):
     """Shows the session's network and follows it; gestures become operations on the document."""
 
-    def __init__(self, session: Level) -> None:
+    def __init__(self, session: Level, evaluator: Evaluator) -> None:
         super().__init__()
         widgets.labelled(self, "canvas", "Canvas")
         self._style = style = CanvasStyle(theme_of(self), self.font())
         self._session = session
-        self.thumbnails: NodeThumbnails | None = None
         self.view = GraphView(style, self)
         self.setFocusProxy(self.view)
         self.content = Content(self.view.scene(), session.library, style)
@@ -61,6 +60,7 @@ class Canvas(QWidget):
         self.view.dropping = Dropping(surface)
         widgets.filled(QVBoxLayout(self), self.view)
         self._connect()
+        self.thumbnails = NodeThumbnails(session, evaluator, self.view.scene(), self.content)
         self._take_look()
         self._opened()
 
@@ -69,14 +69,8 @@ class Canvas(QWidget):
     def set_badges(self, badges: Any) -> None:
         self.content.set_badges(dict(badges))
 
-    def show_thumbnails(self, evaluator: Evaluator) -> None:
-        self.thumbnails = NodeThumbnails(self._session, evaluator, self.view.scene(), self.content)
-
     def frame_all(self) -> None:
-        whole = self.content.bounds()
-        if self.thumbnails is not None:
-            whole = whole.united(self.thumbnails.bounds())
-        self.view.frame(whole)
+        self.view.frame(self.content.bounds().united(self.thumbnails.bounds()))
 
     def zoom_by(self, factor: float) -> None:
         pos = self.surface.pointer
@@ -84,12 +78,10 @@ class Canvas(QWidget):
 
     def node_or_thumbnail_at(self, point: QPointF) -> str | None:
         node = node_at(self.content, point)
-        if node is not None:
-            return node.id
-        return self.thumbnails.node_at(point) if self.thumbnails is not None else None
+        return node.id if node is not None else self.thumbnails.node_at(point)
 
     def sizes_with_thumbnails(self) -> dict[str, tuple[float, float]]:
-        below = self.thumbnails.heights() if self.thumbnails is not None else {}
+        below = self.thumbnails.heights()
         return {
             name: (width, height + below.get(name, 0.0))
             for name, (width, height) in self.content.sizes().items()
@@ -101,10 +93,6 @@ class Canvas(QWidget):
     def open_search(self) -> None:
         self.adding.search(self.surface.cursor_point())
 
-    def toggle_thumbnails(self) -> None:
-        if self.thumbnails is not None:
-            self.thumbnails.toggle()
-
     def edit_last_title(self) -> None:
         self._edit_title(len(self.content.backdrops) - 1)
 
@@ -113,7 +101,7 @@ class Canvas(QWidget):
 
     def changeEvent(self, event: QEvent) -> None:
         super().changeEvent(event)
-        if event.type() in (_TYPE.FontChange, _TYPE.PaletteChange) and hasattr(self, "adding"):
+        if event.type() in (_TYPE.FontChange, _TYPE.PaletteChange) and hasattr(self, "thumbnails"):
             self._take_look()
 
     def _take_look(self) -> None:
@@ -121,8 +109,7 @@ class Canvas(QWidget):
         if not style.is_of(theme, self.font()):  # to measure letters takes long
             style = self._style = CanvasStyle(theme, self.font())
         self.content.set_style(style)
-        if self.thumbnails is not None:
-            self.thumbnails.set_style(style)
+        self.thumbnails.set_style(style)
         self.view.set_style(style)
         self.minimap.update()
         self.popup.setPalette(raised_palette(theme))

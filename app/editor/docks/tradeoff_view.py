@@ -17,7 +17,7 @@ from app.editor.docks import tradeoff_plots
 from app.editor.evaluation.queries import Answer, Passing, Query
 from app.editor.panels.fields.type_in import TypeIn
 from app.editor.session import Session, renamed_node
-from app.editor.viewers.plot.plot_export import have_plot_menu, save_plot
+from app.editor.viewers.plot.plot_export import KINDS, have_plot_menu, save_plot
 from app.editor.viewers.plot.plot_looks import CurveList, thick
 from app.editor.viewers.plot.plotted_lines import Entry, Line, value_at
 from app.editor.viewers.viewer import StatusLine, Viewer, ports_depend_on
@@ -51,6 +51,7 @@ _HOW = "To change the value, drag the line or press ← and →"
 
 class TradeOffView(Viewer):
     room = 75, 20
+    export_kinds = KINDS
 
     def __init__(self, session: Session, evaluator: Evaluator) -> None:
         super().__init__(session, evaluator, "tradeoff")
@@ -181,8 +182,7 @@ class TradeOffView(Viewer):
         self._show_range()
         self._show_mark()
         self._draw()
-        if self.evaluator is not None:
-            self.evaluator.forget(self.owner)  # the same question may be asked again
+        self.evaluator.forget(self.owner)  # the same question may be asked again
         self.ask()
 
     def _show_range(self) -> None:

@@ -65,7 +65,6 @@ class MainWindow(QMainWindow):
         self._remembered = remembered
         self._ended = False
         self._build(library)
-        self.canvas.show_thumbnails(self.evaluator)
         self.files = Files(self.session, settings, self)
         self.edits = EditCommands(self.level, self.canvas)
         self.help = Help(self.session, self.viewers, self)
@@ -212,7 +211,7 @@ class MainWindow(QMainWindow):
         self.evaluator.close()  # last: Python may collect in any thread afterwards
 
     def _build(self, library: Library) -> None:
-        self.canvas = Canvas(self.level)
+        self.canvas = Canvas(self.level, self.evaluator)
         self.crumbs = Crumbs(self.level, self.canvas)
         self.library_view = library_view.LibraryView(library)
         self.panels = PanelArea(self.session, self.evaluator)
@@ -294,7 +293,7 @@ class MainWindow(QMainWindow):
             "find_node": canvas.adding.find_node,
             **{f"align_{edge}": partial(edits.line_up, edge) for edge in EDGES},
             **{f"distribute_{way}": partial(edits.line_up, way) for way in WAYS},
-            "thumbnails": canvas.toggle_thumbnails,
+            "thumbnails": canvas.thumbnails.toggle,
             "minimap": canvas.minimap.toggle,
             "group": self._group,
             "save_preset": self.shelf.save,

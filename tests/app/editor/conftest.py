@@ -28,6 +28,7 @@ from canvas_hands import CanvasHands
 from core.editing.document import Document
 from core.network.file import load_network
 from nodes.library import standard_library
+from panel_hands import NoEvaluator
 from patient_bot import PatientBot
 
 HERE = Path(__file__).parent
@@ -110,7 +111,7 @@ def evaluator(session):
 @pytest.fixture
 def canvas(qtbot, session):
     """A canvas on the session, shown and with the focus."""
-    made = Canvas(Level(session, session))
+    made = Canvas(Level(session, session), NoEvaluator(session))
     qtbot.addWidget(made)
     made.resize(1000, 600)
     made.show()

@@ -11,6 +11,7 @@ from app.editor.session import Level
 from canvas_networks import long_chain
 from core.editing.document import Document
 from core.editing.operations import move_nodes, remove_nodes
+from panel_hands import NoEvaluator
 
 BESIDE = 10.0
 
@@ -54,6 +55,6 @@ def test_wires_run_after_edits_as_in_a_canvas_opened_anew(session, canvas, libra
         session.do(move_nodes({name: (lot.randrange(0, 2400), lot.randrange(0, 960))}))
     session.do(remove_nodes(("jitter_20", "jitter_33")))
     session.undo()
-    anew = Canvas(Level(session, session))
+    anew = Canvas(Level(session, session), NoEvaluator(session))
     qtbot.addWidget(anew)
     assert courses(canvas) == courses(anew)

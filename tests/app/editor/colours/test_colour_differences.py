@@ -13,6 +13,7 @@ from app.editor.viewers.plot.plotted_lines import Entry
 from canvas_networks import chain_and_free_blur
 from colour_sight import SIGHTS, ciede2000, contrast, difference, lab
 from core.editing.document import Document
+from panel_hands import NoEvaluator
 
 LEAST = 10.0  # ΔE of CIEDE2000 between any two
 THEMES = pytest.mark.parametrize("theme", [DARK, LIGHT], ids=["dark", "light"])
@@ -85,7 +86,7 @@ def painted(widget, wanted):
 @THEMES
 def test_painted_wires_have_these_colours(session, library, qtbot, theme):
     session.open(Document(chain_and_free_blur(), library=library))
-    canvas = Canvas(Level(session, session))
+    canvas = Canvas(Level(session, session), NoEvaluator(session))
     canvas.setPalette(theme.palette())
     qtbot.addWidget(canvas)
     canvas.resize(1400, 500)
