@@ -1,19 +1,30 @@
 """Pictures that were filtered after they were taken: what is said of them."""
 
 import json
+import math
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from PIL import Image as Pillow
 from scipy import ndimage
 
 from app.handbook.example_figures import PAGES
 from app.measure.measurement_page import measurement_facts, measurement_page
-from app.measure.measurement_text import figure_rows, refused_lines, remarks, with_error
+from app.measure.measurement_text import (
+    counted,
+    figure_rows,
+    in_words,
+    refused_lines,
+    remarks,
+    with_error,
+)
 from app.measure.measuring import measure_pictures
 from app.measure.picture_measurement import PictureFile
 from camera_scenes import box, turned
 from core.physics.measurement.edge_search import find_edges
+from core.records import replace
 from edge_truth import blur_network, gaussian_edge
 from oversampled_camera import Camera, half_plane, take
 from oversampled_scene import Scene, Shape
@@ -224,3 +235,121 @@ def test_what_helps_is_named_where_no_edge_is_used():
 )
 def test_a_figure_has_the_digits_that_its_error_leaves(value, error, text):
     assert with_error(value, error) == text
+
+
+# --- figures and remarks, in words ---
+
+
+@pytest.fixture(scope="module")
+def plain(taken):
+    """A measurement with edges in both directions, and its pixels' sizes given."""
+    sizes = {"interval_x_mrad": 0.2, "interval_y_mrad": 0.4, "pitch_um": 12.5}
+    return replace(measured(taken), **sizes, unit="DN")
+
+
+@given(st.floats(-1e5, 1e5), st.floats(1e-5, 1e4))
+def test_a_figure_and_its_error_end_at_the_same_digit(value, error):
+    said, of = with_error(value, error).split(" ± ")
+    last = 10.0 ** (math.floor(math.log10(float(f"{error:.2g}"))) - 1)
+    assert float(of) == pytest.approx(error, abs=0.5001 * last, rel=1e-9)
+    assert float(said) == pytest.approx(value, abs=0.5001 * last)
+    assert (
+        len(said.partition(".")[2]) == len(of.partition(".")[2]) == max(0, -round(np.log10(last)))
+    )
+
+
+def test_figures_without_an_error_and_of_extreme_errors():
+    assert with_error(None, 0.1) == "–"
+    for error in (None, 0.0, math.nan, math.inf):
+        assert with_error(0.123456, error) == "0.1235"
+    assert with_error(1.2345678, 1.234e-7) == "1.23 ± 1.2e-07"
+    assert with_error(1.2345678, 1.234e-5) == "1.234568 ± 0.000012"
+    assert with_error(1.2e9, 1.234e8) == "1.2e+09 ± 1.2e+08"
+
+
+def test_every_row_states_the_figure_of_the_measurement(plain):
+    rows = {(name, unit): text for name, text, unit, _ in figure_rows(plain)}
+
+    def near(name, unit, value, error):
+        said, of = map(float, rows.pop((name, unit)).split(" ± "))
+        assert said == pytest.approx(value, abs=0.1 * error)
+        assert of == pytest.approx(error, rel=0.06)
+
+    for axis, curve, interval in (("x", plain.x, 0.2), ("y", plain.y, 0.4)):
+        for unit, size in (("cyc/sample", 1.0), ("cyc/mrad", interval), ("cyc/mm", 0.0125)):
+            near(f"mtf50_{axis}", unit, curve.mtf50 / size, curve.mtf50_sigma / size)
+        (half,) = np.flatnonzero(curve.frequency == 0.5)
+        near(f"mtf_nyquist_{axis}", "", curve.mtf[half], curve.sigma[half])
+    noise = plain.noise
+    near("sigma", "DN", noise.sigma, noise.sigma_error)
+    for name, unit, value, error in (
+        ("gain", "e-/DN", noise.gain_e_per_dn, noise.gain_error),
+        ("read_noise", "DN", noise.read_noise_dn, noise.read_noise_error),
+    ):
+        assert ((name, unit) in rows) == (value is not None)
+        if value is not None:
+            near(name, unit, value, error)
+    assert int(rows.pop(("edges", ""))) == sum(edge.used for edge in plain.edges)
+    assert rows.keys() <= {("row_sigma", "DN"), ("column_sigma", "DN")}
+    bare = figure_rows(replace(plain, interval_x_mrad=None, pitch_um=None))
+    assert [unit for name, _, unit, _ in bare if name == "mtf50_x"] == ["cyc/sample"]
+    assert [unit for name, _, unit, _ in bare if name == "mtf50_y"] == ["cyc/sample", "cyc/mrad"]
+    assert not any(
+        name.startswith("mtf50") for name, *_ in figure_rows(replace(plain, x=None, y=None))
+    )
+    many = replace(plain.noise, row_sigma=1.234, column_sigma=0.0, gain_e_per_dn=None,
+                   read_noise_dn=2.0, read_noise_error=0.1, offset_dn=64.0)  # fmt: skip
+    found = {row[0]: row[1:] for row in figure_rows(replace(plain, noise=many, unit=""))}
+    assert found["row_sigma"] == ("1.23", "", "row noise")
+    assert found["read_noise"] == ("2.00 ± 0.10", "DN", "noise at the dark level of 64")
+    assert not {"column_sigma", "gain"} & found.keys()
+
+
+ABOVE = "warning: the horizontal MTF exceeds 1."
+FEW = "warning: only {} with a normal within 30° of the horizontal can be used."
+SCATTER = "warning: the horizontal MTFs of the edges scatter by 1.6 times"
+PHOTONS = "to get gain and read noise, give"
+
+
+@pytest.mark.parametrize(
+    ("of_x", "of_noise", "of_all", "begins"),
+    [
+        ({"scatter": 1.5, "edges": 3}, {}, {}, ""),
+        ({"scatter": 1.6}, {}, {}, SCATTER),
+        ({"edges": 1}, {}, {}, FEW.format("one edge")),
+        ({"edges": 2}, {}, {}, FEW.format("2 edges")),
+        ({"mtf50": None}, {}, {}, "no horizontal MTF50: the MTF does not fall to one half"),
+        ({"mtf": np.full(65, 1.03), "sigma": np.full(65, 0.009)}, {}, {}, ABOVE),
+        ({"mtf": np.full(65, 1.03), "sigma": np.full(65, 0.011)}, {}, {}, ""),  # within its error
+        ({"mtf": np.full(65, 1.019), "sigma": np.zeros(65)}, {}, {}, ""),
+        ({}, {"gain_e_per_dn": None}, {}, PHOTONS),
+        ({}, {"read_noise_dn": None}, {}, PHOTONS),
+        ({}, {"remarks": ("one remark",)}, {}, "one remark"),
+        ({}, {"reason": "no gain: one level"}, {}, "no gain: one level"),
+        ({}, {}, {"x": None, "reason_x": "no edges"}, "no horizontal MTF: no edges"),
+        ({}, {}, {"noise": None, "noise_reason": "no flat area"}, "no noise: no flat area"),
+        ({}, {}, {"warnings": ("one picture is dark",)}, "warning: one picture is dark"),
+        ({}, {}, {"frames_reason": "they move", "two": True}, "temporal noise not measured: they"),
+    ],
+)
+def test_each_remark_has_its_own_reason(plain, of_x, of_noise, of_all, begins):
+    usual = {"edges": 3, "scatter": 1.0, "mtf": np.ones(65), "sigma": np.zeros(65)}
+    known = {"gain_e_per_dn": 50.0, "read_noise_dn": 1.0, "remarks": (), "reason": ""}
+    two = of_all.get("two", False)
+    sound = replace(
+        plain,
+        x=replace(plain.x, **usual | of_x),
+        y=replace(plain.y, **usual),
+        noise=replace(plain.noise, **known | of_noise),
+        edges=plain.edges * 9,
+        files=plain.files * (2 if two else 1),
+    )
+    lines = remarks(replace(sound, **{name: v for name, v in of_all.items() if name != "two"}))
+    assert [line[: len(begins)] for line in lines] == ([begins] if begins else [])
+
+
+def test_reasons_are_counted_without_their_figures_the_most_frequent_first():
+    reasons = ["short: 3", "blunt: 1", "short: 4", "bent", "dark: 2", "short: 9", "blunt: 7"]
+    assert counted(reasons) == [("short", 3), ("blunt", 2), ("bent", 1), ("dark", 1)]
+    assert in_words(reasons) == "short (3), blunt (2), bent (1), other reasons (1)"
+    assert in_words(reasons[:2]) == "short (1), blunt (1)"
