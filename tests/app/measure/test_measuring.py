@@ -21,7 +21,7 @@ from app.measure.measurement_text import (
     with_error,
 )
 from app.measure.measuring import measure_pictures
-from app.measure.picture_measurement import PictureFile
+from app.measure.picture_measurement import PictureFile, file_of, picture_name
 from camera_scenes import box, turned
 from core.physics.measurement.edge_search import find_edges
 from core.records import replace
@@ -353,3 +353,11 @@ def test_reasons_are_counted_without_their_figures_the_most_frequent_first():
     assert counted(reasons) == [("short", 3), ("blunt", 2), ("bent", 1), ("dark", 1)]
     assert in_words(reasons) == "short (3), blunt (2), bent (1), other reasons (1)"
     assert in_words(reasons[:2]) == "short (1), blunt (1)"
+
+
+def test_pictures_are_numbered_through_files_and_named_by_file_and_frame():
+    frames = np.zeros((3, 4, 5))
+    files = [PictureFile.of("one", frames[:1]), PictureFile.of("more", list(frames))]
+    names = ["one", "more, frame 0", "more, frame 1", "more, frame 2"]
+    assert [picture_name(files, number) for number in range(4)] == names
+    assert [file_of(files, number)[1] for number in range(4)] == [0, 0, 1, 2]
