@@ -1,5 +1,6 @@
 """Pictures that were filtered after they were taken: what is said of them."""
 
+import csv
 import json
 import math
 
@@ -11,7 +12,7 @@ from PIL import Image as Pillow
 from scipy import ndimage
 
 from app.handbook.example_figures import PAGES
-from app.measure.measurement_page import measurement_facts, measurement_page
+from app.measure.measurement_page import measurement_csv, measurement_facts, measurement_page
 from app.measure.measurement_text import (
     counted,
     figure_rows,
@@ -361,3 +362,24 @@ def test_pictures_are_numbered_through_files_and_named_by_file_and_frame():
     names = ["one", "more, frame 0", "more, frame 1", "more, frame 2"]
     assert [picture_name(files, number) for number in range(4)] == names
     assert [file_of(files, number)[1] for number in range(4)] == [0, 0, 1, 2]
+
+
+def test_files_hold_the_curves_at_their_frequencies_in_each_unit(plain):
+    falling = np.linspace(2.5, -0.5, 65)  # a table of MTFs ends at 0 and 2
+    sharp = replace(plain, x=replace(plain.x, mtf=falling))
+    heads, *rows = csv.reader(measurement_csv(sharp).splitlines())
+    assert heads == ["frequency (cyc/pixel)", "mtf_x", "mtf_y"]
+    found = np.array(rows, float).T
+    expected = [plain.x.frequency, np.clip(falling, 0, 2), np.clip(plain.y.mtf, 0, 2)]
+    np.testing.assert_array_equal(found, expected)
+    (alone, *_) = csv.reader(measurement_csv(replace(plain, x=None)).splitlines())
+    assert alone == ["frequency (cyc/pixel)", "mtf_y"]
+    facts = measurement_facts(plain)
+    for name, curve, interval in (("x", plain.x, 0.2), ("y", plain.y, 0.4)):
+        told = facts["mtf"][name]
+        for unit, size in (("sample", 1.0), ("mrad", interval), ("mm", 0.0125)):
+            assert told[f"frequency_cyc_per_{unit}"] == pytest.approx(curve.frequency / size)
+        for key in ("mtf", "sigma", "mtf50", "mtf50_sigma", "edges", "scatter"):
+            assert np.all(told[key] == getattr(curve, key))
+    assert facts["noise"]["sigma"] == plain.noise.sigma
+    assert [edge["used"] for edge in facts["edges"]] == [edge.used for edge in plain.edges]
