@@ -186,6 +186,20 @@ def test_work_is_stopped_and_shows_nothing(view, qtbot):
     assert view.measured is None
 
 
+def test_at_the_end_the_job_is_waited_for(view):
+    ended = threading.Event()
+
+    def job(stop, _report):
+        stop.wait(PATIENCE_S)
+        time.sleep(0.2)  # what it still had to do
+        ended.set()
+
+    view.start(job)
+    view.end_work()
+    assert ended.is_set()
+    assert not view.busy
+
+
 def test_the_window_measures_what_a_viewer_shows(window, qtbot):
     show_small(window, "first_steps", 256)
     viewer = window.viewers.images[1]
