@@ -1,5 +1,6 @@
 """Panning, zooming, framing, the menus of the right button, and where things are on the screen."""
 
+import pytest
 from PySide6.QtCore import QPoint, QPointF, Qt
 from PySide6.QtGui import QAction
 
@@ -39,6 +40,20 @@ def test_the_wheel_zooms_at_the_pointer_and_the_middle_button_pans(opened, canva
         seen = canvas.view.mapToScene(canvas.view.viewport().rect()).boundingRect()
         assert seen.contains(canvas.content.bounds())
         assert (canvas.view.zoom / canvas.view.style_of_canvas.natural_zoom) <= 1.0
+
+
+def test_the_zoom_ends_at_a_fiftieth_and_at_four_times_the_natural_one(opened, canvas):
+    opened("first_steps")
+    view = canvas.view
+    natural = view.style_of_canvas.natural_zoom
+    for factor, ends in ((1e9, 4.0), (0.5, 2.0), (1e-9, 0.02), (0.5, 0.02), (3.0, 0.06)):
+        view.zoom_at(factor)
+        assert view.zoom == pytest.approx(ends * natural)
+    view.zoom = 0.006 * natural  # as where a large network is framed: no smaller, but larger
+    view.zoom_at(0.5)
+    assert view.zoom == pytest.approx(0.006 * natural)
+    view.zoom_at(1.5)
+    assert view.zoom == pytest.approx(0.009 * natural)
 
 
 def test_menus_pop_up_for_what_is_under_the_pointer(opened, canvas, hand):
