@@ -5,7 +5,9 @@ import numpy as np
 import pytest
 import scipy.constants as sc
 
+from core.errors import DataError, ParameterError
 from core.physics.detector.detectivity import (
+    ResponseCurve,
     band_d_star,
     cold_shield_half_angle_deg,
     d_star,
@@ -158,3 +160,75 @@ def test_a_material_of_another_region_is_found_by_the_band():
     assert found("HgCdTe", 5.0) is spectra.HGCDTE_MWIR
     assert found("HgCdTe", 14.0) is spectra.HGCDTE_LWIR
     assert found("InSb", 5.0).name == "InSb"
+
+
+# Responses over wavelength: points, a rectangle, a Gaussian; peaks, and where they bend or end.
+
+POINTS = ((3.2, 0.2), (3.9, 0.8), (4.4, 0.6))
+SLOPES = ((0.2, 0.6 / 0.7), (0.8, -0.2 / 0.5))  # value at the left point, rise per µm
+CURVES = {
+    "file": (
+        ResponseCurve("file", points=POINTS),
+        lambda um: (
+            SLOPES[0][0] + SLOPES[0][1] * (um - 3.2)
+            if 3.2 <= um < 3.9
+            else SLOPES[1][0] + SLOPES[1][1] * (um - 3.9)
+            if 3.9 <= um <= 4.4
+            else 0.0
+        ),
+        (3.2, 3.9, 4.4),
+    ),
+    "rectangle": (
+        ResponseCurve("rectangle", 4.0, 0.5, 0.7),
+        lambda um: 0.7 if 3.75 <= um <= 4.25 else 0.0,
+        (3.75, 4.25),
+    ),
+    "gaussian": (
+        ResponseCurve("gaussian", 4.0, 0.5, 0.7),
+        lambda um: 0.7 * 2.0 ** -(((um - 4.0) / 0.25) ** 2),
+        (3.5, 3.8, 4.0, 4.2, 4.5),
+    ),
+}
+
+
+@pytest.mark.parametrize("shape", CURVES)
+@pytest.mark.parametrize(("low", "high"), [(3.0, 5.0), (3.3, 4.1), (3.95, 4.2), (1.0, 2.0)])
+def test_integrals_and_means_of_a_response_are_those_of_its_form(shape, low, high):
+    curve, form, bends = CURVES[shape]
+    places = np.linspace(low, high, 81) + 1e-6
+    assert curve.at(places) == pytest.approx([form(um) for um in places], abs=1e-15)
+    cuts = [low, *(end for end in bends if low < end < high), high]
+    whole = float(mpmath.quad(form, cuts))
+    assert curve.integral(low, high) == pytest.approx(whole, rel=1e-9, abs=1e-12)
+    assert curve.integral(high, low) == 0.0
+    assert curve.mean(low, high) == pytest.approx(whole / (high - low), rel=1e-9, abs=1e-12)
+    for source_K in (40.0, 300.0, 5800.0):
+
+        def weight(um, source_K=source_K):
+            x = mpmath.mpf(sc.h * sc.c / sc.k * 1e6) / (um * source_K)
+            return 1e70 / um**5 / mpmath.expm1(x)
+
+        seen = mpmath.quad(lambda um, weight=weight: form(um) * weight(um), cuts)
+        truth = float(seen / mpmath.quad(weight, cuts))
+        found = curve.mean_of_body(low, high, source_K=source_K)
+        assert found == pytest.approx(truth, rel=1e-6, abs=1e-12)
+
+
+def test_a_response_is_one_all_over_a_band_or_refused():
+    flat = ResponseCurve("file", points=((3.0, 1.0), (4.0, 1.0), (5.0, 1.0)))
+    for curve in (flat, ResponseCurve("rectangle", 4.0, 2.0)):
+        assert curve.is_one_over(3.0, 5.0)
+        assert curve.is_one_over(3.0 * (1.0 - 1e-13), 5.0 * (1.0 + 1e-13))
+        assert not curve.is_one_over(2.999, 5.0)
+        assert not curve.is_one_over(3.0, 5.001)
+    dip = ResponseCurve("file", points=((3.0, 1.0), (4.0, 0.99), (5.0, 1.0)))
+    for curve in (dip, ResponseCurve("rectangle", 4.0, 2.0, 0.99), ResponseCurve("gaussian", 4.0)):
+        assert not curve.is_one_over(3.5, 4.5)
+    with pytest.raises(DataError, match="emits nothing"):
+        flat.mean_of_body(3.0, 5.0, source_K=1.0)
+    for bad in ({"centre_um": 0.0}, {"width_um": 0.0}, {"peak": -0.1}, {"peak": 1.1}):
+        for shape in ("rectangle", "gaussian"):
+            with pytest.raises(ParameterError, match=next(iter(bad))):
+                ResponseCurve(shape, **bad)
+    with pytest.raises(ParameterError, match="1 point"):
+        ResponseCurve("file", points=POINTS[:1])
