@@ -97,3 +97,32 @@ def test_what_is_not_understood_is_refused_with_what_is(text):
 )
 def test_what_is_no_radiance_is_none(text):
     assert radiance_unit(text) is None
+
+
+SIZES = {"": ("", 1.0), "c": ("centi", 1e-2), "m": ("milli", 1e-3), "u": ("micro", 1e-6),
+         "n": ("nano", 1e-9), "k": ("kilo", 1e3)}  # fmt: skip
+
+
+@pytest.mark.parametrize("prefix", SIZES)
+def test_prefixes_and_words_of_lengths_and_powers(prefix):
+    """Per area, per wavelength, and of watts; none but W alone has a hundredth."""
+    word, size = SIZES[prefix]
+    for name in (f"{prefix}m", *(f"{word}{end}" for end in ("meter", "meters", "metre", "metres"))):
+        assert radiance_unit(f"W/{name}^2/sr").factor == pytest.approx(size**-2, rel=1e-11)
+        if prefix != "k":  # no wavelength
+            unit = radiance_unit(f"W/m2/sr/{name}")
+            assert unit.factor == unit.per_um == pytest.approx(1e-6 / size, rel=1e-11)
+            assert unit.integrated.factor == 1.0
+    if prefix != "c":
+        for name in (f"{prefix}W", f"{word}watt", f"{word}Watts"):
+            assert radiance_unit(f"{name}/m2/sr").factor == pytest.approx(size, rel=1e-11)
+
+
+def test_words_of_their_own():
+    for name, per_um in (("micron", 1.0), ("microns", 1.0), ("angstrom", 1e4), ("angstroms", 1e4)):
+        assert radiance_unit(f"W/m2/sr/{name}").per_um == pytest.approx(per_um)
+    for name in ("photon", "photons", "ph", "phot"):
+        for second in ("s", "sec", "second", "seconds"):
+            unit = radiance_unit(f"{name}/{second}/m2/steradian")
+            assert (unit.factor, unit.photons, unit.spectral) == (1.0, True, "")
+    assert radiance_unit("pW/m2/ster").factor == 1e-12
