@@ -118,19 +118,8 @@ def test_read_outs_of_other_sizes_are_refused(tmp_path):
     assert "same size: high has 60 × 46 and low has 60 × 45" in str(bench.error("dual"))
 
 
-@pytest.mark.parametrize(("low", "units", "factor", "warned"), [
-    ({}, "electrons", 1, False), ({}, "electrons", 2, True),
-    ({"integration_time_s": 2.5e-6}, "electrons", 4, False),
-    ({"integration_time_s": 2.5e-6}, "radiance", 1, False),
-])  # fmt: skip
-def test_the_joined_range_is_from_one_noise_to_the_other_saturation(
-    tmp_path, low, units, factor, warned
-):
-    """Wells of 2,000 and 30,000 e-, 1.5 e- read noise: 20 lg(30,000/1.5), without dark current.
-
-    A fourth of the exposure sees four times as bright a scene, and its factor is 4; a radiance is
-    one and the same by either, and needs no factor.
-    """
+def joined(folder, low, units, factor, unlinked=()):
+    """A camera read at two gains."""
     gain = {"integration_time_s": 1e-5, "units": units, "bits": 0, "optics_transmission": 1}
     nodes = {
         "scene": ("test_scene", {"width": 32, "height": 32}),
@@ -144,13 +133,40 @@ def test_the_joined_range_is_from_one_noise_to_the_other_saturation(
     for name in ("high", "low"):
         links += [("camera.image", f"{name}.image"), ("init.context", f"{name}.context")]
         links += [(f"{name}.image", f"dual.{name}"), (f"{name}.table", f"dual.{name}_table")]
-    bench = NodeBench(LIBRARY, tmp_path, nodes, links)
+    links = [link for link in links if link[1].partition(".")[2] not in unlinked]
+    return NodeBench(LIBRARY, folder, nodes, links)
+
+
+@pytest.mark.parametrize(("low", "units", "factor", "warned"), [
+    ({}, "electrons", 1, False), ({}, "electrons", 2, True),
+    ({"integration_time_s": 2.5e-6}, "electrons", 4, False),
+    ({"integration_time_s": 2.5e-6}, "radiance", 1, False),
+])  # fmt: skip
+def test_the_joined_range_is_from_one_noise_to_the_other_saturation(
+    tmp_path, low, units, factor, warned
+):
+    """Wells of 2,000 and 30,000 e-, 1.5 e- read noise: 20 lg(30,000/1.5), without dark current.
+
+    A fourth of the exposure sees four times as bright a scene, and its factor is 4; a radiance is
+    one and the same by either, and needs no factor.
+    """
+    bench = joined(tmp_path, low, units, factor)
     found = bench.readouts("dual")["dynamic_range_dB"]
     assert found == pytest.approx(20 * np.log10(30000 * (4 if low else 1) / 1.5), rel=1e-9)
     told = bench.engine.warnings(bench.plan, bench.work)
     assert [c.check for c in told if c.node == "dual" and c.check == "factor"] == [
         "factor"
     ] * warned
+
+
+@pytest.mark.parametrize("unlinked", [("high_table",), ("low_table",), ("high_table", "low_table")])
+def test_without_either_table_there_is_no_joined_range_and_no_word_of_the_factor(
+    tmp_path, unlinked
+):
+    bench = joined(tmp_path, {}, "electrons", 2, unlinked)
+    assert bench.readouts("dual").get("dynamic_range_dB") is None
+    told = bench.engine.warnings(bench.plan, bench.work)
+    assert not [caution for caution in told if caution.check == "factor"]
 
 
 @pytest.mark.parametrize("measured", [False, True])
