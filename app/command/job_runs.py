@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from app.command.network_run import KEPT_BYTES, Stage, input_files
+from app.command.network_run import KEPT_BYTES, NetworkRun
 from app.command.options import write_content
 from app.run import option_values, overrides, saving, shipped, terminal, transfer_chain
-from app.run.evaluation import Evaluation, TimedWork, planned, way_of_running
+from app.run.evaluation import Evaluation, TimedWork, planned
 from app.run.job import FRAMES, REPORT, Job, Preview, Result, Steps
 from app.run.staging import Staging, WriteRecord, WriteRules, check_folder, read_record, real_target
 from app.study.study_drawing import trade_off_content
@@ -118,11 +118,6 @@ class _Runs:
             network = self._with((option_values.Assignment(node, parameter, json.dumps(given)),))
             network = _writing_to(network, library, folder)
         plan = planned(self._engine, network, self._place.folder)
-        way = way_of_running(plan, _POLICY, None)
-        if (store := way.store(None)) is not None:
-            self._engine.store.capacity_bytes = store.capacity_bytes
-        for path in input_files(plan):
-            staging.protect(path)
         saves: tuple[option_values.Save, ...] = ()
         if job.frames:
             port = transfer_chain.find_output(plan)
@@ -134,11 +129,11 @@ class _Runs:
             saves = (option_values.Save(node, picture, str(folder / FRAMES)),)
         self._steps.part(name, nodes=len(plan.nodes))
         reports = (job.output,) if alone else (folder / REPORT,) if job.report else ()
-        stage = Stage(
-            folder, staging, self._rules, self._frame_done, partial(self._look, name), way=way,
-            only_report=alone, saves=saves, frames=job.frames or None, reports=reports,
-        )  # fmt: skip
-        evaluation, _ = stage.prepare(self._engine, plan, self._work(), start=start)
+        evaluation = NetworkRun(
+            self._engine, plan, self._work(), folder, staging, self._rules, only_report=alone,
+            saves=saves, frames=job.frames or None, reports=reports, frame_done=self._frame_done,
+            look=partial(self._look, name),
+        ).prepare(start=start).evaluation  # fmt: skip
         lines = terminal.warning_lines(evaluation.cautions)
         self._warnings += [f"{name}: {line}" if name else line for line in lines]
         self._figures[name] = {

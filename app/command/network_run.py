@@ -4,7 +4,7 @@ import time
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 from app.run import evaluation as run
 from app.run import option_values, overrides, saving
@@ -20,7 +20,7 @@ from core.evaluation.recipes import Region
 from core.evaluation.work import Policy
 from core.modules.declaration import NodeContext
 from core.network.validation import NetworkProblems
-from core.records import asdict, dataclass
+from core.records import asdict, dataclass, field
 from nodes.files import file_format, formats
 from nodes.files import frames as frame_files
 
@@ -29,66 +29,136 @@ KEPT_BYTES = 1 << 29
 WARNINGS = "imagechain.warnings"  # in the read-outs; no node's name has a dot
 
 
-_IN_MEMORY = run.WayOfRunning(None)
+@dataclass
+class NetworkRun:
+    """A planned network, what it is to write, and once that is prepared what it has given.
 
+    The files are prepared in `staging`; whoever runs it puts them in place.
+    """
 
-@dataclass(frozen=True)
-class Stage:
-    """Where the files of a run are prepared: their folder, and what they may be."""
-
+    engine: Engine
+    plan: Plan
+    work: run.TimedWork
     folder: Path  # the output folder
-    staging: Staging  # collects the files until all of them are put in place
+    staging: Staging
     rules: WriteRules  # what the network may write
-    done: Callable[[int], None] | None = None  # after each frame
-    look: Callable[[run.Evaluation], object] | None = None  # while pictures are held
-    way: run.WayOfRunning = _IN_MEMORY  # in memory or in blocks, as it was chosen
     only_report: bool = False
     saves: tuple[option_values.Save, ...] = ()
     frames: int | None = None  # of each picture that is saved
     reports: tuple[Path, ...] = ()
+    memory_bytes: int | None = None  # for pictures; by default half of what the process may use
     scratch: Path | None = None  # the folder for pictures that do not fit into memory
+    frame_done: Callable[[int], None] | None = None  # after each frame
+    look: Callable[[run.Evaluation], object] | None = None  # while pictures are held
+    # once it is prepared
+    evaluation: run.Evaluation = field(init=False)
+    skipped: tuple[Skip, ...] = field(init=False)
+    figures: list[run.Figure] = field(init=False)
 
-    def prepare(
-        self, engine: Engine, plan: Plan, work: run.TimedWork, *, start: float
-    ) -> tuple[run.Evaluation, tuple[Skip, ...]]:
-        staging, way = self.staging, self.way
-        writers = _claim(plan, self, work.policy)
+    def prepare(self, *, start: float) -> Self:
+        engine, plan, work, staging = self.engine, self.plan, self.work, self.staging
+        way = run.way_of_running(plan, work.policy, self.memory_bytes)
+        if way.store_bytes is not None:
+            engine.store.capacity_bytes = way.store_bytes
+        for path in input_files(plan):
+            staging.protect(path)
+        saves = self._claim(way)
         if not self.only_report:
-            sinks = sink_targets(plan)
-            if refused := self.rules.claim(sinks, own_files(plan, self.folder), staging):
+            own = own_files(plan, self.folder)
+            if refused := self.rules.claim(sink_targets(plan), own, staging):
                 raise NetworkProblems(refused) from refused[0]
         work.check()
-        ports = [saved.port for saved in writers]
-        how: dict[str, Any] = {"ports": ports, "report": bool(self.reports)}
-        scratch = self.scratch or existing_folder(self.folder)
+        scratch, report = self.scratch or existing_folder(self.folder), bool(self.reports)
+        ports = [saved.port for saved in saves]
         with (
-            run.blocks_of(way, engine, plan, work.policy, scratch=scratch, **how) as work.blocks,
-            work.hold(run.needed_later(plan, **how, in_blocks=way.in_blocks)),
+            run.blocks_of(
+                way, engine, plan, work.policy, ports=ports, report=report, scratch=scratch
+            ) as work.blocks,
+            work.hold(run.needed_later(plan, ports, report=report, in_blocks=way.in_blocks)),
         ):
-            evaluation = run.evaluate(engine, plan, work)
+            self.evaluation = evaluation = run.evaluate(engine, plan, work)
             evaluation.seconds["total"] = time.perf_counter() - start
             evaluation.way.update(way.facts(work.blocks))
             if self.only_report:
                 sink_files(evaluation)  # made as a run does, which counts what was left out
             else:
-                _write(evaluation, writers, self)
+                self._write(saves)
+                self.figures = run.main_figures(evaluation)
             if self.look is not None:
                 self.look(evaluation)
-            skipped = skips(plan, work)  # before the reports, whose pictures need more
+            self.skipped = skips(plan, work)  # before the reports, whose pictures need more
             for path in self.reports:
                 from app.report.report_facts import write_report
 
-                staging.write(path, partial(write_report, evaluation, skipped))
-        return evaluation, skipped
+                staging.write(path, partial(write_report, evaluation, self.skipped))
+        return self
 
+    @property
+    def others(self) -> list[str]:
+        """Files beside those of the folder."""
+        saved = (save.text for save in self.saves)
+        return [*saved, *map(str, (*self.reports, *sink_targets(self.plan).values()))]
 
-@dataclass(frozen=True)
-class NetworkRun:
-    evaluation: run.Evaluation
-    skipped: tuple[Skip, ...]
-    figures: list[run.Figure]
-    folder: Path
-    others: list[str]  # files beside those of the folder
+    def _claim(self, way: run.WayOfRunning) -> list["_Saved"]:
+        plan, staging, policy, frames = self.plan, self.staging, self.work.policy, self.frames
+        if frames is not None and not 1 <= frames <= saving.MOST_FRAMES:
+            most = saving.MOST_FRAMES
+            raise UsageError(
+                f"--frames {frames} is not allowed: must be a whole number from 1 to {most}"
+            )
+        values = [_port_value(plan, save.node, save.name) for save in self.saves]
+        if frames is not None and not any(isinstance(value, Image) for value in values):
+            example = find_output(plan).port or "NODE.PORT"
+            raise UsageError(
+                f"--frames {frames} needs --save, which names the picture and the file: "
+                f"--save {example}=frames.npy"
+            )
+        saves, files = [], []
+        for save, value in zip(self.saves, values, strict=True):
+            path, region = Path(save.text), saving.region_of(save, value)
+            saved = _Saved(path, save.port, value, region, frames)
+            found = saved.series(policy, on_disk=way.on_disk(value, policy))
+            if found is None:
+                saving.check_suffix(save.port, value, path)
+                if file_format.ZARR.matches(path):
+                    found = (
+                        frame_files.STORE,
+                        saving.series_of(value, frame_files.STORE, policy, frames=1, region=region),
+                    )
+            files += [] if found is None else [(path, *found)]
+            saves.append(saved)
+            staging.claim(path)
+        for path, kind, _ in files:
+            if kind.beside is not None:
+                staging.claim(frame_files.header_beside_frames(path))
+        frame_files.refuse_without_room([(path, series) for path, _, series in files])
+        for saved in saves:
+            if way.on_disk(saved.value, policy):
+                run.check_streamed(saved.port, saved.value, saved.path, frames)
+        for path in self.reports:
+            staging.claim(path)
+        return saves
+
+    def _write(self, saves: list["_Saved"]) -> None:
+        evaluation, work, staging, folder = self.evaluation, self.work, self.staging, self.folder
+        for saved in saves:
+            staging.write(saved.path, partial(_save, evaluation, saved, self.frame_done))
+            found = saved.series(work.policy, on_disk=_is_on_disk(saved.value, work))
+            if found is not None and found[0].beside is not None:
+                text = found[0].beside(found[1])
+                staging.write(
+                    frame_files.header_beside_frames(saved.path), partial(write_text, content=text)
+                )
+        for node, path, writer in sink_files(evaluation):
+            staging.write(path, writer, partial(self.rules.check, node))
+        if evaluation.chain.final is not None:
+            staging.write(folder / FINAL, partial(_final_png, evaluation, evaluation.chain.final))
+        staging.write(folder / MTF, partial(write_text, content=mtf_csv(evaluation.responses)))
+        warnings: dict[str, list[str]] = {}
+        for caution in evaluation.cautions:
+            warnings.setdefault(caution.node, []).append(caution.text)
+        readouts = {**evaluation.readouts, **({WARNINGS: warnings} if warnings else {})}
+        staging.write(folder / READOUTS, partial(write_text, content=json_text(readouts)))
 
     def facts(self, left_out: Sequence[str]) -> dict[str, Any]:
         evaluation = self.evaluation
@@ -180,53 +250,13 @@ class _Saved:
         count = self.count(on_disk=on_disk)
         if count is not None:
             kind = saving.format_for_frames(self.port, self.path)
-            how: Any = {"frames": count, "region": self.region}
-            return kind, saving.series_of(self.value, kind, policy, **how)
+            return kind, saving.series_of(
+                self.value, kind, policy, frames=count, region=self.region
+            )
         if not saving.is_cube(self.value, self.path):
             return None
         cube = saving.cube_of(self.value, policy, self.region)
         return saving.format_for_frames(self.port, self.path), cube.series
-
-
-def _claim(plan: Plan, stage: Stage, policy: Policy) -> list[_Saved]:
-    frames, way, staging = stage.frames, stage.way, stage.staging
-    if frames is not None and not 1 <= frames <= saving.MOST_FRAMES:
-        most = saving.MOST_FRAMES
-        raise UsageError(
-            f"--frames {frames} is not allowed: must be a whole number from 1 to {most}"
-        )
-    values = [_port_value(plan, save.node, save.name) for save in stage.saves]
-    if frames is not None and not any(isinstance(value, Image) for value in values):
-        example = find_output(plan).port or "NODE.PORT"
-        raise UsageError(
-            f"--frames {frames} needs --save, which names the picture and the file: "
-            f"--save {example}=frames.npy"
-        )
-    saves, files = [], []
-    for save, value in zip(stage.saves, values, strict=True):
-        path, region = Path(save.text), saving.region_of(save, value)
-        saved = _Saved(path, save.port, value, region, frames)
-        found = saved.series(policy, on_disk=way.on_disk(value, policy))
-        if found is None:
-            saving.check_suffix(save.port, value, path)
-            if file_format.ZARR.matches(path):
-                found = (
-                    frame_files.STORE,
-                    saving.series_of(value, frame_files.STORE, policy, frames=1, region=region),
-                )
-        files += [] if found is None else [(path, *found)]
-        saves.append(saved)
-        staging.claim(path)
-    for path, kind, _ in files:
-        if kind.beside is not None:
-            staging.claim(frame_files.header_beside_frames(path))
-    frame_files.refuse_without_room([(path, series) for path, _, series in files])
-    for saved in saves:
-        if way.on_disk(saved.value, policy):
-            run.check_streamed(saved.port, saved.value, saved.path, frames)
-    for path in stage.reports:
-        staging.claim(path)
-    return saves
 
 
 def own_files(plan: Plan, folder: Path) -> list[Path]:
@@ -257,39 +287,19 @@ def _port_value(plan: Plan, node: str, port: str) -> Any:
     return known.outputs[port]
 
 
-def _write(evaluation: run.Evaluation, saves: list[_Saved], stage: Stage) -> None:
-    staging, folder, work = stage.staging, stage.folder, evaluation.work
-    for saved in saves:
-        staging.write(saved.path, partial(_save, evaluation, saved, stage.done))
-        found = saved.series(work.policy, on_disk=_is_on_disk(saved.value, work))
-        if found is not None and found[0].beside is not None:
-            text = found[0].beside(found[1])
-            staging.write(
-                frame_files.header_beside_frames(saved.path), partial(write_text, content=text)
-            )
-    for node, path, writer in sink_files(evaluation):
-        staging.write(path, writer, partial(stage.rules.check, node))
-    if evaluation.chain.final is not None:
-        staging.write(folder / FINAL, partial(_final_png, evaluation, evaluation.chain.final))
-    staging.write(folder / MTF, partial(write_text, content=mtf_csv(evaluation.responses)))
-    warnings: dict[str, list[str]] = {}
-    for caution in evaluation.cautions:
-        warnings.setdefault(caution.node, []).append(caution.text)
-    readouts = {**evaluation.readouts, **({WARNINGS: warnings} if warnings else {})}
-    staging.write(folder / READOUTS, partial(write_text, content=json_text(readouts)))
-
-
 def _save(
     evaluation: run.Evaluation, saved: _Saved, done: Callable[[int], None] | None, path: Path
 ) -> None:
     value, work = saved.value, evaluation.work
     frames = saved.count(on_disk=_is_on_disk(value, work))
-    how: dict[str, Any] = {"port": saved.port, "region": saved.region}
-    with placed(saved.port.rpartition(".")[0]):
+    port, region = saved.port, saved.region
+    with placed(port.rpartition(".")[0]):
         if frames is not None:
-            saving.save_frames(value, path, work, frames=frames, done=done, **how)
+            saving.save_frames(
+                value, path, work, port=port, frames=frames, region=region, done=done
+            )
         else:
-            saving.save_value(value, path, work, **how)
+            saving.save_value(value, path, work, port=port, region=region)
 
 
 def _is_on_disk(value: Any, work: run.TimedWork) -> bool:

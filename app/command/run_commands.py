@@ -6,7 +6,6 @@ import os
 import socket
 import sys
 import time
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -21,7 +20,6 @@ from nodes.files.file_format import PNG, suffixes
 if TYPE_CHECKING:
     from app.editor.theme import Look
     from app.run.overrides import GivenNetwork
-    from app.run.staging import WriteRules
     from core.evaluation.work import Policy
 
 OFFSCREEN = "offscreen"
@@ -165,9 +163,9 @@ def run(
 
     The files are written to the output folder only after everything has succeeded.
     """
-    from app.command.network_run import KEPT_BYTES, NetworkRun, Stage, input_files, sink_targets
-    from app.run.evaluation import Figure, TimedWork, main_figures, planned, way_of_running
-    from app.run.staging import OPTION, Staging
+    from app.command.network_run import KEPT_BYTES, NetworkRun
+    from app.run.evaluation import TimedWork, planned
+    from app.run.staging import OPTION, Staging, write_rules
     from core.chain.engine import Engine
     from core.evaluation.recipes import Store
 
@@ -176,26 +174,20 @@ def run(
 
     def once() -> tuple[NetworkRun, str]:
         start = time.perf_counter()
-        plan = planned(Engine(library, Store(0)), network, place.folder)
-        way = way_of_running(plan, policy, memory_bytes)
         # All that a run needs is known and held; reports may need more, and again.
-        engine = Engine(library, way.store(None if reports else Store(KEPT_BYTES)))
-        folder, rules = _folder_and_rules(asked, output_dir, allowed)
-        figures: list[Figure] = []
-        with Staging(folder, [place.path, *input_files(plan)]) as staging:
+        engine = Engine(library, None if reports else Store(KEPT_BYTES))
+        plan = planned(engine, network, place.folder)
+        folder, rules = write_rules(place, output_dir, allowed, asked.settings)
+        with Staging(folder, [place.path]) as staging:
             with options.Progress(len(plan.nodes)) as progress:
                 work = TimedWork(policy, engine.store, stop, progress)
-                stage = Stage(
-                    folder, staging, rules, look=lambda made: figures.extend(main_figures(made)),
-                    way=way, saves=saves, frames=frames, reports=reports, scratch=scratch,
-                )  # fmt: skip
-                evaluation, skipped = stage.prepare(engine, plan, work, start=start)
+                made = NetworkRun(
+                    engine, plan, work, folder, staging, rules, saves=saves, frames=frames,
+                    reports=reports, memory_bytes=memory_bytes, scratch=scratch,
+                ).prepare(start=start)  # fmt: skip
             work.check()
             too_late(stop)
-            forgotten = rules.commit(staging)
-        written = sink_targets(plan).values()
-        others = [*(save.text for save in saves), *map(str, (*reports, *written))]
-        return NetworkRun(evaluation, skipped, figures, folder, others), forgotten
+            return made, rules.commit(staging)
 
     while True:
         try:
@@ -230,7 +222,7 @@ def check(
     from app.command.network_run import FINAL, input_files, own_files, sink_targets
     from app.run import terminal, transfer_chain
     from app.run.evaluation import planned
-    from app.run.staging import Staging
+    from app.run.staging import Staging, write_rules
     from core.chain.engine import Engine
     from core.network.validation import NetworkProblems
 
@@ -238,7 +230,7 @@ def check(
     try:
         library, place, network = options.opened(asked, json)
         plan = planned(Engine(library), network, place.folder)
-        folder, rules = _folder_and_rules(asked, output_dir, allowed)
+        folder, rules = write_rules(place, output_dir, allowed, asked.settings)
         own, sinks = own_files(plan, folder), sink_targets(plan)
         written.append(f"run writes {', '.join(map(str, own))}")
         written += [f"{node}: run writes {target}" for node, target in sinks.items()]
@@ -266,15 +258,3 @@ def check(
         lambda: {"errors": [], "warnings": [asdict(caution) for caution in cautions]},
         *map(in_line, [*warnings, summary, *written]),
     )
-
-
-def _folder_and_rules(
-    asked: GivenNetwork, output_dir: Path | None, allowed: Sequence[Path]
-) -> tuple[Path, WriteRules]:
-    from app.run.staging import check_folder, write_rules
-
-    folder = output_dir or Path(f"{asked.place.name}-output")
-    check_folder(folder)
-    given = (setting.node for setting in asked.settings if setting.name == "path")
-    named = output_dir is not None
-    return folder, write_rules(asked.place, folder, named=named, allowed=allowed, given=given)

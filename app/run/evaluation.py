@@ -16,7 +16,7 @@ from core.arrays import Array
 from core.chain.engine import Engine, Plan, asked_for, least_scratch, realize
 from core.chain.wires import Curve, Image, Magnitude, Phase, SpectrumWire, Table, Transfer
 from core.errors import DataError, FileError, ImagechainError, UsageError, placed, several
-from core.evaluation.recipes import Recipe, Region, Store
+from core.evaluation.recipes import Recipe, Region
 from core.evaluation.work import BlockRun, Policy, Shape, Work
 from core.machine import ScratchDisk, amount_text, is_for_disk, usable_bytes
 from core.modules.parameters import Caution, PendingCheck
@@ -195,10 +195,12 @@ class WayOfRunning:
             return False
         return is_for_disk(value.shape, policy.dtype, self.memory_bytes)
 
-    def store(self, otherwise: Store | None) -> Store | None:
+    @property
+    def store_bytes(self) -> int | None:
+        """What values may take in the store; None where the store's own limit holds."""
         if not self.in_blocks or self.memory_bytes is None:
-            return otherwise
-        return Store(self.memory_bytes // _SHARE_KEPT)
+            return None
+        return self.memory_bytes // _SHARE_KEPT
 
     def facts(self, blocks: BlockRun | None) -> dict[str, Any]:
         way = "in memory" if blocks is None else "in blocks"
@@ -429,16 +431,21 @@ def figure_rows(
     return rows
 
 
-def readout_rows(evaluation: Evaluation) -> list[tuple[str, str, str, str]]:
-    rows = []
+def each_readout(evaluation: Evaluation) -> Iterator[tuple[str, str, Any, str, str]]:
+    """Node, name, value, unit and meaning of every read-out."""
     for node, values in evaluation.readouts.items():
         planned = evaluation.plan.nodes[node]
-        units = {readout.name: planned.unit(readout) for readout in planned.declaration.readouts}
-        for name, value in values.items():
-            if value is not None:
-                unit = units[name]
-                rows.append((node, name, number_text(without_rounding(value, unit)), unit))
-    return rows
+        for one in planned.declaration.readouts:
+            if one.name in values:
+                yield node, one.name, values[one.name], planned.unit(one), one.meaning
+
+
+def readout_rows(evaluation: Evaluation) -> list[tuple[str, str, str, str]]:
+    return [
+        (node, name, number_text(without_rounding(value, unit)), unit)
+        for node, name, value, unit, _ in each_readout(evaluation)
+        if value is not None
+    ]
 
 
 def sensor_node(plan: Plan, preferred: str | None = None) -> str | None:

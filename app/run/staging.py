@@ -12,6 +12,7 @@ from functools import partial
 from pathlib import Path
 from typing import Self
 
+from app.run.option_values import Assignment
 from app.run.shipped import Place
 from app.user_folders import FOLDERS
 from core import atomic
@@ -412,27 +413,24 @@ class WriteRules:
 
 
 def write_rules(
-    place: Place,
-    output: Path,
-    *,
-    named: bool = False,
-    allowed: Sequence[Path] = (),
-    given: Iterable[str] = (),
-) -> WriteRules:
-    """The rules of a run; `given` are nodes whose file the user has named."""
+    place: Place, output: Path | None, allowed: Sequence[Path], settings: Iterable[Assignment]
+) -> tuple[Path, WriteRules]:
+    """The folder of a command's run, and its rules; `settings` may name files of nodes."""
+    output_dir = output or Path(f"{place.name}-output")
+    check_folder(output_dir)
     for folder in allowed:
         if not os.path.isdir(folder):  # noqa: PTH112, as Path's raises for a long name
             raise UsageError(f"{OPTION} {shown(str(folder))}: there is no such folder")
-    real = real_target(output)
-    if not named and output.is_symlink():
-        hint = f"--output-dir {shlex.quote(str(output))} allows writing there"
-        raise FileError(f"cannot write to {output}: it is a link to {real}; {hint}")
+    real = real_target(output_dir)
+    if output is None and output_dir.is_symlink():
+        hint = f"--output-dir {shlex.quote(str(output_dir))} allows writing there"
+        raise FileError(f"cannot write to {output_dir}: it is a link to {real}; {hint}")
     own = Path(os.path.realpath(place.folder))
     is_given = own == Path("/dev") or own.is_relative_to("/proc")  # on standard input
-    return WriteRules(
+    return output_dir, WriteRules(
         folders=(real,) if is_given else (own, real),
         allowed=tuple(Path(os.path.realpath(folder)) for folder in allowed),
-        given=frozenset(given),
+        given=frozenset(setting.node for setting in settings if setting.name == "path"),
         record=read_record(place.path),
     )
 

@@ -378,17 +378,18 @@ def run_plan(engine: Engine, plan: Plan, options: RunOptions, smaller: Smaller) 
         raise errors.ParameterError(
             "frames", options.frames, "must be 1 for pictures that are computed in blocks"
         )
-    kept = way.store(None)
     most = store_bytes() if options.memory is None else min(store_bytes(), options.memory)
-    engine.store.capacity_bytes = most if kept is None else kept.capacity_bytes
+    engine.store.capacity_bytes = most if way.store_bytes is None else way.store_bytes
     work = TimedWork(options.policy, engine.store, workers=engine.workers)
     result = Result(engine, plan, options, work, smaller)
     ports = options.outputs
     if ports is None:
         ports = tuple(filter(None, [find_output(plan).port]))
-    how: dict[str, Any] = {"ports": ports, "report": False, "scratch": options.scratch}
+    policy, scratch = options.policy, options.scratch
     with (
-        blocks_of(way, engine, plan, options.policy, **how) as work.blocks,
+        blocks_of(
+            way, engine, plan, policy, ports=ports, report=False, scratch=scratch
+        ) as work.blocks,
         work.hold(recipe for port in ports for recipe in asked_for(plan.output(port))),
     ):
         everything = options.outputs is None and options.region is None

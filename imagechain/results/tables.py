@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from app.run.evaluation import Evaluation, block_means
+from app.run.evaluation import Evaluation, block_means, each_readout
 from app.run.saving import encode_png, grey_levels, metadata_of, robust_limits, save_array
 from app.run.terminal import columns, jsonable, number_text, warned_points, without_rounding
 from app.run.transfer_chain import Response, responses_along
@@ -73,14 +73,8 @@ class ReadoutTable(_Named[Mapping[str, Any]]):
     """Read-outs as ``readouts[NODE][NAME]``; `rows` also gives units and meanings."""
 
     def __init__(self, evaluation: Evaluation) -> None:
-        planned, found = evaluation.plan.nodes, evaluation.readouts
-        self.rows = tuple(
-            ReadoutRow(node, one.name, values[one.name], planned[node].unit(one), one.meaning)
-            for node, values in found.items()
-            for one in planned[node].declaration.readouts
-            if one.name in values
-        )
-        super().__init__({n: {r.name: r.value for r in self.rows if r.node == n} for n in found})
+        self.rows = tuple(ReadoutRow(*row) for row in each_readout(evaluation))
+        super().__init__(evaluation.readouts)
 
     def _no(self, name: str) -> Exception:
         hint = close(name, self._values)
@@ -183,8 +177,7 @@ class StageCurves(_Named[Mapping[str, StageCurve]]):
         """Return a plot of the MTFs as PNG, drawn as in a report."""
         import matplotlib  # noqa: F401  (first, so that it has the user's settings)
 
-        drawing: bytes = self._drawn()
-        return drawing
+        return bytes(self._drawn())
 
     def __repr__(self) -> str:
         return f"<curves of {', '.join(self) or 'no stage'}>"
@@ -377,8 +370,9 @@ class Picture:
             coordinates["wavelength"] = ("wavelength", np.array(self.wavelengths_um), units)
         first = "wavelength" if bands else "frame"
         dims = (first, "y", "x")[-samples.ndim :]
-        how = {"dims": dims, "coords": coordinates, "attrs": attributes, "name": self.port}
-        array: DataArray = xarray.DataArray(samples, **how)
+        array: DataArray = xarray.DataArray(
+            samples, coordinates, dims, name=self.port, attrs=attributes
+        )
         return array
 
     @plain_errors
