@@ -6,6 +6,7 @@ import sys
 import traceback
 import warnings
 from collections.abc import Callable, Sequence
+from functools import partial
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -39,32 +40,37 @@ def main(argv: Sequence[str] | None = None) -> int:
         COMMAND_LINE.main(prog_name="imagechain")
     given = list(sys.argv[1:] if argv is None else argv)
     words = [word for word in given if word != DEBUG]
+    carry_out = partial(_carry_out, words)
+    return carried_out(carry_out, own_process=argv is None, debug=words != given)
+
+
+def carried_out(
+    carry_out: Callable[[Stop], object],
+    *,
+    own_process: bool = True,
+    debug: bool = False,
+    hints: bool = True,
+) -> int:
+    """Call what a signal may stop, for its exit code; `hints`: its line of error names options."""
     # The engine divides its work itself; BLAS threads beside its own only get in their way (the
     # whole process then takes 1.6 times the processor time). Read when numpy is first imported.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     # Importing makes some 90,000 objects that all stay; Python's usual threshold (700) looks them
     # through time and again for garbage, and once more at the end: a tenth of a short command's
     # processor time. Only where the process is the command's own: another program has its own ways.
-    if argv is None:
+    if own_process:
         gc.set_threshold(200_000, 10, 10)
-    with stoppable(to_the_end=argv is None) as stop, usable_streams(), warnings.catch_warnings():
+    with stoppable(to_the_end=own_process) as stop, usable_streams(), warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        code = exit_code(stop, _carry_out, words, stop, debug=words != given)
-    if argv is None:
+        code = _exit_code(stop, carry_out, debug=debug, hints=hints)
+    if own_process:
         gc.disable()
     return code
 
 
-def exit_code(
-    stop: Stop,
-    carry_out: Callable[..., object],
-    *words: object,
-    debug: bool = False,
-    hints: bool = True,
-) -> int:
-    """Call a function that a signal may stop; `hints`: its line of error may name options."""
+def _exit_code(stop: Stop, carry_out: Callable[[Stop], object], *, debug: bool, hints: bool) -> int:
     try:
-        stop.during(carry_out, *words)
+        stop.during(carry_out, stop)
         sys.stdout.flush()
     except BrokenPipeError:  # the reader, such as `head`, has seen enough
         discard(sys.stdout)

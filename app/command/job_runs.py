@@ -13,7 +13,7 @@ from app.command.network_run import KEPT_BYTES, NetworkRun
 from app.command.options import write_content
 from app.run import option_values, overrides, saving, shipped, terminal, transfer_chain
 from app.run.evaluation import Evaluation, TimedWork, planned
-from app.run.job import FRAMES, REPORT, Job, Preview, Result, Steps
+from app.run.job import FRAMES, REPORT, Job, Result, Steps
 from app.run.staging import Staging, WriteRecord, WriteRules, check_folder, read_record, real_target
 from app.study.study_drawing import trade_off_content
 from app.tradeoff.tradeoff_results import default_figures, shown_value, trade_off
@@ -62,7 +62,7 @@ class _Runs:
         self._rules = self._write_rules()
         self._errors: dict[str, InputError] = {}
         self._warnings: list[str] = []
-        self._previews: list[Preview] = []
+        self._previews: dict[str, bytes] = {}
         self._figures: dict[str, dict[str, float]] = {}
 
     def made(self) -> Result:
@@ -81,7 +81,7 @@ class _Runs:
                     if not name:
                         raise
                     staging.drop(job.output / name)
-                    self._previews = [one for one in self._previews if one.name != name]
+                    self._previews.pop(name, None)
                     self._errors[name] = error
             if variants and len(self._errors) == len(variants):
                 raise next(iter(self._errors.values()))
@@ -103,7 +103,7 @@ class _Runs:
         if page is None and (alone or (job.report and not variants[0][0])):
             page = job.output if alone else job.output / REPORT
         failures = tuple((name, str(error)) for name, error in self._errors.items())
-        told = tuple(self._warnings), page, tuple(self._previews)
+        told = tuple(self._warnings), page, tuple(self._previews.items())
         return Result(max(1, len(variants)), failures, *told)
 
     def _run(self, name: str, value: Any, staging: Staging) -> None:
@@ -148,8 +148,8 @@ class _Runs:
             samples = realize(evaluation.plan.output(evaluation.chain.final), evaluation.work)
             step = max(1, -(-max(samples.shape) // PREVIEW_PX))
             few = np.ascontiguousarray(samples[::step, ::step])
-            png = saving.encode_png(saving.grey_levels(*saving.robust_limits(samples), few))
-            self._previews.append(Preview(name, png))
+            levels = saving.grey_levels(*saving.robust_limits(samples), few)
+            self._previews[name] = saving.encode_png(levels)
         if self._job.kind == "report":
             self._steps.part("writing the report")
 

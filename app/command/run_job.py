@@ -5,41 +5,32 @@ The job is one line of input; output has lines of progress and the result.
 
 import _thread
 import contextlib
-import gc
 import os
 import signal
 import sys
 import threading
-import warnings
 
-from app.command.cli import exit_code
-from app.run.terminal import Stop, stoppable, usable_streams
+from app.command.cli import carried_out
+from app.run.terminal import Stop
 
 _NICE = 5  # the window comes first
 
 
-def main() -> int:
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    gc.set_threshold(50_000, 10, 10)
-    with stoppable(to_the_end=True) as stop, usable_streams(), warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        return exit_code(stop, _carry_out, stop, hints=False)
-
-
 def _carry_out(stop: Stop) -> None:
     from app.command.job_runs import carry_out
-    from app.run.job import Steps, message_line, read_job
+    from app.run.job import Job, Steps, message_line, read_message
 
     with contextlib.suppress(AttributeError, OSError):
         os.nice(_NICE)
-    text = sys.stdin.buffer.readline().decode("ascii", "replace")
+    job = read_message(sys.stdin.buffer.readline().decode("ascii", "replace"))
+    assert isinstance(job, Job)
     threading.Thread(target=_stop_at_end_of_input, args=(stop,), daemon=True).start()
 
     def write(line: str) -> None:
         with contextlib.suppress(OSError):  # nobody reads it any more: the input's end stops it
             print(line, flush=True)
 
-    result = carry_out(read_job(text), stop, Steps(lambda step: write(message_line(step))))
+    result = carry_out(job, stop, Steps(lambda step: write(message_line(step))))
     write(message_line(result))
 
 
@@ -55,4 +46,4 @@ def _stop_at_end_of_input(stop: Stop) -> None:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(carried_out(_carry_out, hints=False))

@@ -53,15 +53,6 @@ class Job:
         return f"{self.target}={value if isinstance(value, str) else number_text(value)}"
 
 
-def job_text(job: Job) -> str:
-    return base64.b64encode(pickle.dumps(job)).decode()
-
-
-def read_job(text: str) -> Job:
-    job: Job = pickle.loads(base64.b64decode(text))
-    return job
-
-
 def _apart(names: list[str]) -> list[str]:
     """Names that a folder can have, each one once: the same one again gets a number."""
     fit = [_BARRED.sub("_", name)[:_LONGEST].strip(" .") or "_" for name in names]
@@ -77,7 +68,7 @@ def _apart(names: list[str]) -> list[str]:
     return apart
 
 
-# What the process of a background run reports: lines of text, read again by who started it.
+# What the process of a background run is given and reports: lines of text, read again over there.
 
 _MARK = "imagechain-job "
 _INTERVAL_S = 0.1
@@ -88,30 +79,27 @@ Step = tuple[float, str]
 
 
 @dataclass(frozen=True)
-class Preview:
-    name: str
-    png: bytes
-
-
-@dataclass(frozen=True)
 class Result:
     runs: int = 1  # how many runs there were
     failures: tuple[tuple[str, str], ...] = ()  # runs that could not be made: their names, and why
     warnings: tuple[str, ...] = ()  # what the nodes warn of, in lines
     page: Path | None = None  # A page to look at first: the report, or the trade-off
-    previews: tuple[Preview, ...] = ()  # small pictures of the first runs
+    previews: tuple[tuple[str, bytes], ...] = ()  # names and small pictures (PNG) of the first runs
 
 
-def message_line(message: Step | Result) -> str:
+Message = Job | Step | Result
+
+
+def message_line(message: Message) -> str:
     return _MARK + base64.b64encode(pickle.dumps(message)).decode()
 
 
-def read_message(line: str) -> Step | Result | None:
+def read_message(line: str) -> Message | None:
     """What a line says; None for a line of somebody else's, such as a library's, or a torn one."""
     if not line.startswith(_MARK):
         return None
     try:
-        message: Step | Result = pickle.loads(base64.b64decode(line.removeprefix(_MARK)))
+        message: Message = pickle.loads(base64.b64decode(line.removeprefix(_MARK)))
     except (ValueError, EOFError, pickle.UnpicklingError):
         return None
     return message

@@ -94,6 +94,10 @@ def jsonable(value: Any) -> Any:
     return value.as_posix() if isinstance(value, PurePath) else value
 
 
+def values_of(thing: object, *names: str) -> dict[str, Any]:
+    return {name: getattr(thing, name) for name in names}
+
+
 def json_text(value: Any, indent: int = 2) -> str:
     text = json.dumps(jsonable(value), indent=indent, ensure_ascii=False, allow_nan=False)
     return printable(text) + "\n"
@@ -163,10 +167,6 @@ class Stop(threading.Event):
     def during(self, function: Callable[..., object], *words: object) -> None:
         function(*words)
 
-    def too_late(self) -> None:
-        """From now on a stop is only noted: the files are being put in place."""
-        self.is_late = True
-
     def __call__(self, _number: int, frame: FrameType | None) -> None:
         """Note the signal; raise where it can be caught, and nothing is being cleared away."""
         if not self._noted:
@@ -182,9 +182,9 @@ class Stop(threading.Event):
 
 
 def too_late(cancel: threading.Event | None) -> None:
-    """From now on a stop that is tied to signals comes too late."""
+    """From now on a stop that is tied to signals is only noted: files are being put in place."""
     if isinstance(cancel, Stop):
-        cancel.too_late()
+        cancel.is_late = True
 
 
 @contextlib.contextmanager

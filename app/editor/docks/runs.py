@@ -14,7 +14,7 @@ from PySide6.QtGui import QDesktopServices, QIcon, QKeySequence, QPixmap, QShort
 from app.editor.declared_text import tip
 from app.editor.session import Session
 from app.editor.widgets import FlowLayout, centred_hint, filled, labelled, tool_button
-from app.run.job import Job, Kind, Result, job_text, read_message
+from app.run.job import Job, Kind, Result, message_line, read_message
 from app.run.terminal import command, environment
 from core.atomic import sweep
 from core.errors import NetworkError, in_line
@@ -77,7 +77,7 @@ class Run(QObject):
         self.begun = time.monotonic()
         program, *words = command("app.command.run_job")
         self._process.start(program, words)
-        self._process.write((job_text(self.job) + "\n").encode("ascii"))
+        self._process.write((message_line(self.job) + "\n").encode("ascii"))
         self._set("running")
 
     def stop(self) -> None:
@@ -101,7 +101,7 @@ class Run(QObject):
             message = read_message(line)
             if isinstance(message, Result):
                 self.result = message
-            elif message is not None and self.state == "running":
+            elif isinstance(message, tuple) and self.state == "running":
                 self.share, self.doing = message
                 self.first = self.first or (time.monotonic(), self.share)
                 self.changed.emit()
@@ -340,11 +340,11 @@ class RunsView(QtWidgets.QWidget):
         side = _ONE_PX if len(previews) == 1 else _SEVERAL_PX
         self.previews.setIconSize(QSize(side, side))
         self.previews.clear()
-        for preview in previews:
+        for name, png in previews:
             picture = QPixmap()
-            picture.loadFromData(preview.png, "PNG")  # type: ignore[call-overload]
-            value = preview.name.rpartition("=")[2]
-            QtWidgets.QListWidgetItem(QIcon(picture), value, self.previews).setToolTip(preview.name)
+            picture.loadFromData(png, "PNG")  # type: ignore[call-overload]
+            value = name.rpartition("=")[2]
+            QtWidgets.QListWidgetItem(QIcon(picture), value, self.previews).setToolTip(name)
 
     def _stop(self) -> None:
         if self.current is not None:

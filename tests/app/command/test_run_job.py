@@ -9,7 +9,7 @@ import subprocess
 import numpy as np
 import pytest
 
-from app.run.job import Job, Result, job_text, read_message
+from app.run.job import Job, Result, message_line, read_message
 from app.run.terminal import command, environment
 from child_process import PATIENCE_S
 
@@ -26,7 +26,7 @@ def started(job):
         text=True,
     ) as child:
         try:
-            child.stdin.write(job_text(job) + "\n")
+            child.stdin.write(message_line(job) + "\n")
             child.stdin.flush()
             yield child
         finally:
@@ -91,7 +91,7 @@ def test_one_run_writes_what_the_command_writes(job, imagechain, tmp_path):
     code, result, said = finished_job(job("run", report=True))
     assert (code, said) == (0, "")
     assert result.page == tmp_path / "out" / "report.html"
-    assert result.previews[0].png.startswith(b"\x89PNG")
+    assert result.previews[0][1].startswith(b"\x89PNG")
     imagechain("run", "net.json", "--output-dir", "theirs")
     assert names(tmp_path / "out") == RUN | {"report.html"}
     for name in RUN:

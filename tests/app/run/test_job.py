@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from app.run.job import Job, job_text, read_job, read_message
+from app.run.job import Job, message_line, read_message
 
 HERE = Path("/home/me")
 
@@ -24,10 +24,10 @@ def job(kind, **given):
     ids=lambda made: made.kind,
 )
 def test_a_job_is_one_line_and_comes_back_the_same(made):
-    text = job_text(made)
+    text = message_line(made)
     assert "\n" not in text
     assert text.isascii()
-    assert read_job(text) == made
+    assert read_message(text) == made
 
 
 def test_a_sweep_has_a_folder_for_each_value():
