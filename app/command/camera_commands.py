@@ -82,8 +82,8 @@ def measure(
 
     def made() -> PictureMeasurement:
         with options.Progress(len(inputs)) as progress:
-            how: Any = {"check": partial(options.check_stop, stop), "report": progress}
-            return measure_files(pictures, dark=dark, **known, **how)
+            check = partial(options.check_stop, stop)
+            return measure_files(pictures, dark=dark, check=check, report=progress, **known)
 
     outputs = [path for path in (json, csv, report) if isinstance(path, Path)]
     measured = options.written(outputs, inputs, stop, made, measurement_text)
@@ -141,10 +141,8 @@ def fit(
     """
     from app.command.network_run import input_files
     from app.fit.chain_transfer import free_parameters
-    from app.fit.fit_page import fit_facts, fit_page, fit_text
-    from app.fit.picture_fit import fit_pictures, opened_pictures
-    from app.run.terminal import json_text
-    from app.tradeoff.tradeoff_results import with_value
+    from app.fit.fit_page import fit_content, fit_facts, fit_text
+    from app.fit.picture_fit import fit_pictures, fitted_network, opened_pictures
     from core.chain.engine import Engine
     from core.editing.document import rebased
     from core.network.file import format_network
@@ -163,15 +161,10 @@ def fit(
             )  # fmt: skip
 
     def content(result: FitResult, path: Path) -> str:
-        if path == json:
-            return json_text(fit_facts(result))
-        if path == report:
-            names = tuple(map(str, pictures))
-            return fit_page(result, network=network.name or place.name, pictures=names)
-        fitted = network
-        for parameter, one in zip(fitted_parameters, result.parameters, strict=True):
-            if one.used is not None:
-                fitted = with_value(fitted, engine, parameter.node, parameter.name, one.used)
+        if path != output:
+            name = network.name or place.name
+            return fit_content(result, path, network=name, pictures=pictures)
+        fitted = fitted_network(network, result, engine)
         typed = {(setting.node, setting.name) for setting in asked.settings}
         moved = rebased(fitted, library, place.folder, path.parent, typed=typed)
         return format_network(moved.apply(fitted) if moved else fitted, library=library)

@@ -12,7 +12,10 @@ from numpy.typing import NDArray
 
 from app.fit import chain_transfer
 from app.fit.edge_fit import MARGIN, EdgeFits, EdgesAt, Patch, SpreadTable, period_for, reaching_in
+from app.tradeoff.tradeoff_results import PointEvaluator
 from core.arrays import Matrix, Vector
+from core.chain.engine import Engine, Plan
+from core.chain.wires import Image
 from core.errors import FAULTS, DataError
 from core.evaluation.work import Work
 from core.kernels import special
@@ -141,17 +144,17 @@ class ChainFit:
     table: SpreadTable  # their spreads
     misfit: Misfit  # how well it fits
     at_end: tuple[str, ...]  # ``low`` or ``high`` where a value is there, else empty
-    evaluations: int  # how often the chain was evaluated
-    unsigned: tuple[int, ...] = ()  # places of the parameters whose sign changes nothing
-    rivals: tuple[Vector, ...] = ()  # values elsewhere that fit nearly as well
-    shown: frozenset[int] = frozenset()  # places of the parameters that the edges show
-    rests_on: tuple[float, ...] = ()  # edges per error, where their scatter counts
+    unsigned: tuple[int, ...]  # places of the parameters whose sign changes nothing
+    rivals: tuple[Vector, ...]  # values elsewhere that fit nearly as well
+    shown: frozenset[int]  # places of the parameters that the edges show
+    rests_on: tuple[float, ...]  # edges per error, where their scatter counts
 
 
 class EdgeProblem:
     def __init__(
         self,
-        chain: chain_transfer.ChainAt,
+        engine: Engine,
+        plan: Plan,
         work: Work,
         free: Sequence[chain_transfer.FreeParameter],
         patches: Sequence[Patch],
@@ -160,8 +163,8 @@ class EdgeProblem:
         self.free = tuple(free)
         self.noise = noise
         self.patches = tuple(patches)
-        self.evaluations = 0
-        self._chain, self._work = chain, work
+        self._engine, self._base, self._work = engine, plan, work
+        self._at = PointEvaluator(engine, plan, [one.target for one in self.free], ())
         period = period_for(reach=max(patch.reach for patch in patches))
         angles = [patch.edge.angle_deg for patch in patches]
         self._transfer = chain_transfer.EdgeTransfer(work, angles, period)
@@ -172,6 +175,12 @@ class EdgeProblem:
         self.shown, self.noisy = every, every if noise is not None else frozenset()
         self._tables: dict[tuple[float, ...], SpreadTable] = {}
         self._noises: dict[tuple[float, ...], Vector] = {}
+
+    def plan(self, values: Vector) -> Plan:
+        return self._at.planned([float(value) for value in values])
+
+    def _image(self, values: Vector) -> Image:
+        return chain_transfer.final_image(self.plan(values))
 
     def sort_out(self, values: Vector) -> None:
         """See which parameters the edges show, and which the noise; none counts for the other."""
@@ -207,8 +216,7 @@ class EdgeProblem:
     def table(self, values: Vector) -> SpreadTable:
         key = tuple(float(values[i]) for i in sorted(self.shown))
         if key not in self._tables:
-            self.evaluations += 1
-            table = self._transfer.table(self._chain.image([float(v) for v in values]))
+            table = self._transfer.table(self._image(values))
             if len(self._tables) >= _HELD:
                 self._tables.clear()
             self._tables[key] = table
@@ -222,7 +230,7 @@ class EdgeProblem:
         noise = self._noises.get(key)
         if noise is None:
             try:
-                noise = self.noise.residual(self._chain.plan([float(v) for v in values]))
+                noise = self.noise.residual(self.plan(values))
             except FAULTS:  # no noise with these values: they are far off
                 noise = np.full(len(self.noise.measured), _OFF)
             if len(self._noises) >= _HELD:
@@ -234,7 +242,7 @@ class EdgeProblem:
         order = np.argsort([patch.edge.angle_deg % 180.0 for patch in self.patches], kind="stable")
         taken = np.linspace(0, len(order) - 1, min(len(order), _THIN_EDGES)).astype(np.intp)
         patches = [self.patches[order[place]].thinned(_THIN) for place in taken]
-        thin = EdgeProblem(self._chain, self._work, self.free, patches, self.noise)
+        thin = EdgeProblem(self._engine, self._base, self._work, self.free, patches, self.noise)
         thin.shown, thin.noisy, thin.watch = self.shown, self.noisy, self.watch
         return thin
 
@@ -257,8 +265,7 @@ class EdgeProblem:
 
     def beyond(self, values: Vector) -> list[Vector]:
         table, edges = self.fitted(values)
-        image = self._chain.image([float(v) for v in values])
-        spread = self._transfer.point_spread(image, reach=MARGIN)
+        spread = self._transfer.point_spread(self._image(values), reach=MARGIN)
         return [
             reaching_in(patch=patch, edges=edges, number=number, table=table, spread=spread)
             for number, patch in enumerate(self.patches)
@@ -380,7 +387,7 @@ def fit_chain(problem: EdgeProblem) -> ChainFit:
     elsewhere = tuple(positive(free, problem.cost, v)[0] for v in chain_transfer.apart(rivals)[1:])
     return ChainFit(
         free, values, jacobian, problem.patches, edges, table, misfit, tuple(at_end),
-        problem.evaluations + thin.evaluations, unsigned, elsewhere, problem.shown, rests_on,
+        unsigned, elsewhere, problem.shown, rests_on,
     )  # fmt: skip
 
 

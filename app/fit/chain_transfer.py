@@ -404,28 +404,6 @@ def _is_alike(xi: Vector, eta: Vector, ratios: tuple[float, float]) -> bool:
     return bool(np.ptp(last) <= 1e-12 * np.abs(last).max())
 
 
-class ChainAt:
-    """A network's final picture as its free parameters take other values."""
-
-    def __init__(self, engine: Engine, plan: Plan, names: Sequence[tuple[str, str]]) -> None:
-        self.engine = engine
-        self._names = tuple(names)
-        self._last = plan
-
-    def plan(self, values: Sequence[float]) -> Plan:
-        from app.tradeoff.tradeoff_results import with_value
-
-        network = self._last.network
-        for (node, name), value in zip(self._names, values, strict=True):
-            if network.nodes[node].params.get(name) != float(value):
-                network = with_value(network, self.engine, node, name, float(value))
-        self._last = self.engine.plan(network, folder=self._last.folder, previous=self._last)
-        return self._last
-
-    def image(self, values: Sequence[float]) -> Image:
-        return final_image(self.plan(values))
-
-
 # Noise of a network's final picture at given levels: the network on small uniform fields.
 #
 # The radiance at which the final picture has a level is sought; its noise there is the chain's.

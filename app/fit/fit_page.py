@@ -1,6 +1,7 @@
-"""A fit as one page that needs no other file."""
+"""A fit as one page that needs no other file, as JSON, and in words."""
 
 import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -10,11 +11,24 @@ from app.fit.fit_result import FitResult, NoiseComparison
 from app.measure.measurement_text import with_error
 from app.report import html_page as html
 from app.report.drawing.picture_drawing import COLOURS, figure, number, short
-from app.run.terminal import columns, number_text
+from app.run.terminal import columns, json_text, number_text, values_of
 from core.arrays import Vector
-from core.errors import in_line, several
+from core.errors import UsageError, in_line, listed, several
+from nodes.files.file_format import HTML, JSON, suffixes
 
 _CHI2 = "χ² per degree".replace(" ", "\N{NO-BREAK SPACE}")
+
+
+def fit_content(
+    result: FitResult, path: Path, *, network: str, pictures: Sequence[Path | str]
+) -> str:
+    """What a file of that suffix holds: .json the figures, .html a page."""
+    if JSON.matches(path):
+        return json_text(fit_facts(result))
+    if HTML.matches(path):
+        return fit_page(result, network=network, pictures=tuple(map(str, pictures)))
+    ends = listed(suffixes(JSON, HTML), "or")
+    raise UsageError(f"{path}: the file's name must end in {ends}")
 
 
 def fit_page(result: FitResult, *, network: str, pictures: tuple[str, ...]) -> str:
@@ -160,8 +174,7 @@ def patches_png(result: FitResult) -> bytes:
                 row, place = patch.row - patch.row.min(), patch.column - patch.column.min()
                 image = np.full((int(row.max()) + 1, int(place.max()) + 1), np.nan)
                 image[row, place] = values
-                look = {"cmap": "gray", "interpolation": "nearest"}
-                axis.imshow(image, vmin=ends[0], vmax=ends[1], **look)
+                axis.imshow(image, cmap="gray", vmin=ends[0], vmax=ends[1], interpolation="nearest")
                 axis.set_xticks([])
                 axis.set_yticks([])
                 axis.grid(visible=False)
@@ -231,27 +244,30 @@ def _means(distance: Vector, rest: Vector) -> tuple[Vector, Vector, Vector]:
 
 def fit_facts(result: FitResult) -> dict[str, Any]:
     """All that is known as plain data; what is not is null."""
-    names: tuple[str, ...] = ("expression", "value", "sigma", "unit")
     content: dict[str, Any] = {
         "format": "imagechain-fit",
         "version": 1,
         "parameters": {
-            p.port: {"value": p.value, "sigma": p.sigma, "unit": p.unit} for p in result.parameters
+            one.port: values_of(one, "value", "sigma", "unit") for one in result.parameters
         },
         "correlation": [[_number(value) for value in row] for row in result.correlation],
         "chi2_per_degree": _number(result.chi2_per_degree),
         "combinations": [
-            dict(zip(names, (c.text, _number(c.value), _number(c.sigma), c.unit), strict=True))
-            for c in result.combinations
+            {
+                "expression": one.text,
+                "value": _number(one.value),
+                "sigma": _number(one.sigma),
+                "unit": one.unit,
+            }
+            for one in result.combinations
         ],
         "warnings": list(result.warnings),
         "notes": list(result.notes),
     }
     if isinstance(result.noise, NoiseComparison):
         pairs = zip(result.noise.measured, result.noise.predicted, strict=True)
-        names = ("level", "variance", "variance_error")
         levels = [
-            {**{name: getattr(one, name) for name in names}, "predicted": predicted}
+            {**values_of(one, "level", "variance", "variance_error"), "predicted": predicted}
             for one, predicted in pairs
         ]
         content["noise"] = {"fitted": result.noise.fitted, "levels": levels}

@@ -248,11 +248,10 @@ class FitResult:
     fit: ChainFit  # what was fitted to the edges
     parameters: tuple[FittedParameter, ...]  # in the order given
     correlation: Matrix  # of the parameters; NaN where there is none
-    combinations: tuple[Combination, ...] = ()  # of parameters not told apart
-    warnings: tuple[str, ...] = ()  # one line each
+    combinations: tuple[Combination, ...]  # of parameters not told apart
+    warnings: tuple[str, ...]  # one line each
     notes: tuple[str, ...] = ()  # what was assumed
     noise: NoiseComparison | str = ""  # the noise, or why it was not compared
-    refused: tuple[str, ...] = ()  # why other candidates for edges were not used
 
     @property
     def chi2_per_degree(self) -> float:

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -26,6 +25,7 @@ from core.chain.engine import Engine, Plan
 from core.chain.wires import Image
 from core.errors import FAULTS, DataError, several
 from core.evaluation.work import Work
+from core.network.network import Network
 from core.physics.measurement.edge_search import find_edges
 from core.physics.measurement.found_edge import missing_samples
 from core.physics.measurement.picture_noise import noise_of_picture
@@ -102,31 +102,28 @@ def fit_pictures(
     report("noise")
     noise, why_none = _noise(engine, plan, work, samples)
     report("parameters")
-    chain = chain_transfer.ChainAt(engine, plan, [parameter.target for parameter in free])
-    problem = EdgeProblem(chain, work, free, patches, noise)
+    problem = EdgeProblem(engine, plan, work, free, patches, noise)
     problem.watch = watch
     fit = fit_chain(problem)
     result = result_of(fit, problem.cost)
     comparison: NoiseComparison | str = why_none
     if noise is not None:
-        comparison = _compared(noise, chain.plan([float(v) for v in fit.values]), problem)
+        comparison = _compared(noise, problem.plan(fit.values), problem)
     unlike = (line for file in pictures for line in _unlike(file, final))
     warnings = (*file_warnings(pictures), *unlike, *result.warnings)
-    warnings += tuple(_of_chain(engine, plan, free, result))
+    fitted = engine.plan(
+        fitted_network(plan.network, result, engine), folder=plan.folder, previous=plan
+    )
+    warnings += tuple(map(str, fitted.warnings()))
     notes = _notes(len(patches), refused, final, passed_area=chain_transfer.has_area(passed))
-    told: Any = {"warnings": warnings, "notes": (*result.notes, *notes)}
-    return replace(result, noise=comparison, refused=tuple(refused), **told)
+    return replace(result, noise=comparison, warnings=warnings, notes=tuple(notes))
 
 
-def _of_chain(
-    engine: Engine, plan: Plan, free: Sequence[FreeParameter], result: FitResult
-) -> list[str]:
-    network = plan.network
-    for parameter, one in zip(free, result.parameters, strict=True):
+def fitted_network(network: Network, result: FitResult, engine: Engine) -> Network:
+    for parameter, one in zip(result.fit.free, result.parameters, strict=True):
         if one.used is not None:
             network = with_value(network, engine, parameter.node, parameter.name, one.used)
-    fitted = engine.plan(network, folder=plan.folder, previous=plan)
-    return [str(caution) for caution in fitted.warnings()]
+    return network
 
 
 def _noise(
@@ -165,7 +162,7 @@ def _compared(
 
 
 def _notes(many: int, refused: Sequence[str], final: Image, *, passed_area: bool) -> list[str]:
-    lines = [f"{many} {'edge' if many == 1 else 'edges'} fitted"]
+    lines = [f"{several(many, 'edge')} fitted"]
     if refused:
         lines[0] += f"; {_reasons(refused, many)}"
     x, y = final.interval_x_mrad, final.interval_y_mrad

@@ -9,21 +9,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.fit.chain_transfer import free_parameters
-from app.fit.fit_page import fit_facts, fit_text
+from app.fit.fit_page import fit_content, fit_facts, fit_text
 from app.fit.fit_result import FitResult
 from app.fit.picture_fit import fit_pictures, opened_pictures
 from app.measure import measuring
 from app.measure.measurement_page import measurement_facts, write_measurement
 from app.measure.measurement_text import figure_rows, refused_lines, remarks
 from app.measure.picture_measurement import NO_DATA, PictureFile, PictureMeasurement, limits_of
-from app.run.terminal import columns, json_text, jsonable
+from app.run.terminal import columns, jsonable
 from core.atomic import write_text
-from core.errors import DataError, ParameterError, UsageError, listed
+from core.errors import DataError, ParameterError, UsageError
 from core.evaluation.work import Policy, Precision
 from imagechain.building.chain import Chain
 from imagechain.building.chain import open as open_chain
 from imagechain.parts.plain_errors import plain_errors
-from nodes.files.file_format import HTML, JSON, suffixes
 
 
 class MeasuredPictures:
@@ -166,8 +165,7 @@ class FittedChain:
 
     def to_dict(self) -> dict[str, Any]:
         """The complete result as a dictionary, like the JSON of `imagechain fit --json`."""
-        content: dict[str, Any] = fit_facts(self._result)
-        return content
+        return fit_facts(self._result)
 
     @plain_errors
     def save(self, path: str | PathLike[str]) -> Path:
@@ -176,17 +174,8 @@ class FittedChain:
         To write the network, use ``fitted.chain.save``.
         """
         file = Path(fspath(path))
-        if JSON.matches(file):
-            text = json_text(fit_facts(self._result))
-        elif HTML.matches(file):
-            # Imported only where a page is written: matplotlib and jinja2.
-            from app.fit.fit_page import fit_page
-
-            name = self.chain.name or "Chain"
-            text = fit_page(self._result, network=name, pictures=self._pictures)
-        else:
-            allowed = listed(suffixes(JSON, HTML), "or")
-            raise UsageError(f"{file}: the file's name must end in {allowed}")
+        name = self.chain.name or "Chain"
+        text = fit_content(self._result, file, network=name, pictures=self._pictures)
         write_text(file, text)
         return file
 

@@ -206,7 +206,7 @@ def freed(network, truth, rng):
 def fitted(network, picture, free, clip_levels=None):
     """A fit's result by the product's own way from the picture to the errors."""
     from app.fit.chain_fit import EdgeProblem, fit_chain
-    from app.fit.chain_transfer import ChainAt, free_parameters
+    from app.fit.chain_transfer import free_parameters
     from app.fit.fit_result import result_of
     from app.fit.picture_fit import edges_in
     from core.chain.engine import Engine
@@ -222,9 +222,8 @@ def fitted(network, picture, free, clip_levels=None):
     patches, refused = edges_in(pictures=[picture], clip_levels=clip_levels)
     if not patches:
         raise DataError(f"no edge can be used: {refused}")
-    chain = ChainAt(engine, engine.plan(made), [one.target for one in parameters])
     work = engine.work(Policy("single", None, 1))
-    problem = EdgeProblem(chain, work, parameters, patches)
+    problem = EdgeProblem(engine, engine.plan(made), work, parameters, patches)
     fit = fit_chain(problem)
     return result_of(fit, problem.cost)
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from app.fit.chain_fit import EdgeProblem, fit_chain, positive, student_factor, widened_by_scatter
-from app.fit.chain_transfer import ChainAt, FreeParameter, free_parameters, places
+from app.fit.chain_transfer import FreeParameter, free_parameters, places
 from app.fit.picture_fit import edges_in
 from core.chain.engine import Engine
 from core.evaluation.work import Policy
@@ -31,8 +31,7 @@ def test_parameters_are_sorted_whatever_the_band(sigma_mrad):
     plan = engine.plan(made)
     work = engine.work(Policy("single", None, 1))
     picture = gaussian_edge(angle_deg=6.0, sigma=(0.6, 0.6), shape=(64, 64), noise=20.0)
-    chain = ChainAt(engine, plan, [parameter.target for parameter in free])
-    problem = EdgeProblem(chain, work, free, edges_in(pictures=[picture])[0])
+    problem = EdgeProblem(engine, plan, work, free, edges_in(pictures=[picture])[0])
     problem.sort_out(np.array([sigma_mrad, 3.0]))
     assert problem.shown == {0}
     assert problem.noisy == frozenset()
@@ -169,9 +168,8 @@ def problem_of(picture):
     made = parse_network(json.dumps(network), library=library, name_of_source="bars")
     free = free_parameters(["optics.aperture_mm"], made, library)
     engine = Engine(library)
-    chain = ChainAt(engine, engine.plan(made), [one.target for one in free])
     work = engine.work(Policy("double", None, 1))
-    return EdgeProblem(chain, work, free, edges_in(pictures=[picture])[0])
+    return EdgeProblem(engine, engine.plan(made), work, free, edges_in(pictures=[picture])[0])
 
 
 def test_what_neighbours_add_is_what_a_picture_shows_of_them():
