@@ -21,7 +21,6 @@ from app.bench.truth import Sensor
 from app.run.terminal import version
 from core.arrays import Array
 from core.evaluation.work import Policy, Precision
-from core.records import dataclass
 from core.transfer.factors import Edges, Planar
 from core.transfer.planar_blocks import Known, RadialTable
 
@@ -37,24 +36,11 @@ _KEPT = {
 }
 
 
-@dataclass(frozen=True)
-class Task:
-    """A frame of `size`² samples, a circular aperture and a square pixel."""
-
-    size: int
-    aperture_mm: float = 90.0
-    wavelength_um: float = 4.0
-    focal_length_mm: float = 200.0
-    pixel_um: float = 20.0
-
-    @property
-    def interval_mrad(self) -> float:
-        """Sampling interval: a quarter of the cutoff's period."""
-        return self.wavelength_um / (4 * self.aperture_mm)
-
-    @property
-    def pixel_mrad(self) -> float:
-        return self.pixel_um / self.focal_length_mm
+# A circular aperture and a square pixel before a square frame.
+APERTURE_MM, WAVELENGTH_UM = 90.0, 4.0
+FOCAL_LENGTH_MM, PIXEL_UM = 200.0, 20.0
+INTERVAL_MRAD = WAVELENGTH_UM / (4 * APERTURE_MM)  # a quarter of the cutoff's period
+PIXEL_MRAD = PIXEL_UM / FOCAL_LENGTH_MM
 
 
 def peers(settings: Settings) -> list[Table]:
@@ -67,7 +53,7 @@ def peers(settings: Settings) -> list[Table]:
             if not missing:
                 release = version() if maker == "imagechain" else metadata.version(maker)
                 row |= {"maker": maker, "version": release}
-                row |= _delivered(Task(size), build, settings)
+                row |= _delivered(size, build, settings)
             rows.append({**row, "note": missing} if missing else row)
     heads = {"program": "program", "version": "version", "size": "size", **T0_HEADS}
     heads |= {"error": "delivered MTF error", "shift": "shift, samples", "note": ""}
@@ -86,12 +72,11 @@ def peers(settings: Settings) -> list[Table]:
     return [Table("peers", title, heads, rows, text, chart)]
 
 
-def _delivered(task: Task, build: Callable[[Task], Deliver], settings: Settings) -> dict[str, Any]:
-    size = task.size
+def _delivered(size: int, build: Callable[[int], Deliver], settings: Settings) -> dict[str, Any]:
     scene = np.random.default_rng(3).uniform(20, 60, (size, size)).astype(np.float32)
     t0 = round_trip(scene, Policy().workers)
     try:
-        deliver = build(task)
+        deliver = build(size)
         subject = partial(seconds, partial(deliver, scene))
         timing = paired(subject, t0, pairs=settings.slow_pairs, warm_up=1)
         point = np.zeros((size, size), np.float32)
@@ -99,8 +84,8 @@ def _delivered(task: Task, build: Callable[[Task], Deliver], settings: Settings)
         response = np.fft.fft2(np.asarray(deliver(point), np.float64)) / np.fft.fft2(point)
     except Exception as error:  # another program's failure is a row of the table, not ours
         return {"note": f"failed: {type(error).__name__}: {error}"[:120]}
-    frequency = np.fft.fftfreq(size, task.interval_mrad).astype(np.longdouble)
-    sensor = Sensor(task.interval_mrad, task.aperture_mm, task.wavelength_um, 0.0, task.pixel_mrad)
+    frequency = np.fft.fftfreq(size, INTERVAL_MRAD).astype(np.longdouble)
+    sensor = Sensor(INTERVAL_MRAD, APERTURE_MM, WAVELENGTH_UM, 0.0, PIXEL_MRAD)
     modulus = sensor.modulus(frequency[np.newaxis, :], frequency[:, np.newaxis])
     wrong = float(np.abs(np.abs(response) - np.abs(np.asarray(modulus, np.float64))).max())
     shift = -float(np.angle(response[0, 1])) * size / (2 * np.pi)
@@ -111,15 +96,15 @@ def _delivered(task: Task, build: Callable[[Task], Deliver], settings: Settings)
 class Ours(Chain):
     """The frame through our aperture and pixel; nothing computed before, or the OTF known."""
 
-    def __init__(self, edges: Edges, precision: Precision, known: bool, task: Task) -> None:
-        across = float(np.degrees(task.size * task.interval_mrad * 1e-3))
-        init = {"focal_length_mm": task.focal_length_mm, "detector_x_um": task.pixel_um}
-        scene = {"kind": "uniform", "width": task.size, "height": task.size}
+    def __init__(self, edges: Edges, precision: Precision, known: bool, size: int) -> None:
+        across = float(np.degrees(size * INTERVAL_MRAD * 1e-3))
+        init = {"focal_length_mm": FOCAL_LENGTH_MM, "detector_x_um": PIXEL_UM}
+        scene = {"kind": "uniform", "width": size, "height": size}
         network = sensor_network(
             ("test_scene", {**scene, "fov_x_deg": across, "fov_y_deg": across}),
-            {**init, "detector_y_um": task.pixel_um, "edges": edges},
+            {**init, "detector_y_um": PIXEL_UM, "edges": edges},
             {"pixel": ("detector_mtf", {})},
-            disc=(task.aperture_mm, task.wavelength_um),
+            disc=(APERTURE_MM, WAVELENGTH_UM),
         )
         super().__init__(network, Policy(precision=precision))
         self.note = ""
@@ -138,14 +123,14 @@ class Ours(Chain):
         return np.asarray(self.value(self.network, "back.image"))
 
 
-def _pybsm(task: Task) -> dict[str, Any]:
+def _pybsm() -> dict[str, Any]:
     simulation = load("pybsm.simulation")
-    around, focal_length_m = task.wavelength_um * 1e-6, task.focal_length_mm * 1e-3
+    around, focal_length_m = WAVELENGTH_UM * 1e-6, FOCAL_LENGTH_MM * 1e-3
     sensor = simulation.Sensor(
-        name="sensor", D=task.aperture_mm * 1e-3, f=focal_length_m,
+        name="sensor", D=APERTURE_MM * 1e-3, f=focal_length_m,
         # As many samples out as in: nothing is resampled.
-        p_x=task.interval_mrad * 1e-3 * focal_length_m,
-        w_x=task.pixel_um * 1e-6, w_y=task.pixel_um * 1e-6,
+        p_x=INTERVAL_MRAD * 1e-3 * focal_length_m,
+        w_x=PIXEL_UM * 1e-6, w_y=PIXEL_UM * 1e-6,
         opt_trans_wavelengths=np.array([0.99 * around, 1.01 * around]),
     )  # fmt: skip
     scenario = simulation.Scenario(
@@ -154,14 +139,14 @@ def _pybsm(task: Task) -> dict[str, Any]:
     return {"sensor": sensor, "scenario": scenario}
 
 
-def pybsm_simulate_image(task: Task) -> Deliver:
+def pybsm_simulate_image(_size: int) -> Deliver:
     """The function `simulate_image`; its blurred picture, back on the scale of the frame."""
-    simulation, described = load("pybsm.simulation"), _pybsm(task)
+    simulation, described = load("pybsm.simulation"), _pybsm()
 
     def deliver(frame: Array) -> Array:
         low, high = float(frame.min()), float(frame.max())
         reference = simulation.RefImage(
-            img=frame, gsd=task.interval_mrad * 1e-3 * RANGE_M, pix_values=np.array([low, high]),
+            img=frame, gsd=INTERVAL_MRAD * 1e-3 * RANGE_M, pix_values=np.array([low, high]),
             refl_values=np.array([0.05, 0.95]),
         )  # fmt: skip
         ideal, blurred, _ = simulation.simulate_image(ref_img=reference, **described)
@@ -171,25 +156,25 @@ def pybsm_simulate_image(task: Task) -> Deliver:
     return deliver
 
 
-def pybsm_cached(task: Task) -> Deliver:
+def pybsm_cached(_size: int) -> Deliver:
     """`SystemOTFSimulator`, which keeps its PSF."""
     simulator = load("pybsm.simulation.image_simulator").SystemOTFSimulator(
-        **_pybsm(task), mtf_wavelengths=np.array([task.wavelength_um * 1e-6]),
+        **_pybsm(), mtf_wavelengths=np.array([WAVELENGTH_UM * 1e-6]),
         mtf_weights=np.array([1.0]), do_resample=False,
     )  # fmt: skip
-    gsd = task.interval_mrad * 1e-3 * RANGE_M
+    gsd = INTERVAL_MRAD * 1e-3 * RANGE_M
     return lambda frame: np.asarray(simulator.simulate_image(frame, gsd)[1])
 
 
-def galsim(interpolant: str, task: Task) -> Deliver:
+def galsim(interpolant: str, size: int) -> Deliver:
     program: Any = load("galsim")
-    airy = program.Airy(lam_over_diam=task.wavelength_um / task.aperture_mm)
-    pixel = program.Pixel(task.pixel_mrad)
+    airy = program.Airy(lam_over_diam=WAVELENGTH_UM / APERTURE_MM)
+    pixel = program.Pixel(PIXEL_MRAD)
 
     def deliver(frame: Array) -> Array:
-        image = program.Image(np.asarray(frame), scale=task.interval_mrad, xmin=0, ymin=0)
+        image = program.Image(np.asarray(frame), scale=INTERVAL_MRAD, xmin=0, ymin=0)
         scene = program.InterpolatedImage(image, x_interpolant=interpolant)
-        drawn = program.Image(task.size, task.size, scale=task.interval_mrad)
+        drawn = program.Image(size, size, scale=INTERVAL_MRAD)
         blurred = program.Convolve([scene, airy, pixel])
         blurred.drawImage(image=drawn, method="no_pixel")
         return np.asarray(drawn.array)
@@ -197,20 +182,20 @@ def galsim(interpolant: str, task: Task) -> Deliver:
     return deliver
 
 
-def prysm(task: Task) -> Deliver:
+def prysm(size: int) -> Deliver:
     """A sampled pupil to its PSF and MTF, which multiplies the frame's spectrum."""
     coordinates, geometry, otf, propagation = (
         load(f"prysm.{name}") for name in ("coordinates", "geometry", "otf", "propagation")
     )
-    psf_um = task.interval_mrad * task.focal_length_mm
+    psf_um = INTERVAL_MRAD * FOCAL_LENGTH_MM
     # As wide an array that the PSF has the frame's interval, and so the MTF its frequencies.
-    pitch_mm = task.wavelength_um * task.focal_length_mm / (task.size * psf_um)
-    pixel = np.sinc(task.pixel_mrad * np.fft.fftfreq(task.size, task.interval_mrad))
+    pitch_mm = WAVELENGTH_UM * FOCAL_LENGTH_MM / (size * psf_um)
+    pixel = np.sinc(PIXEL_MRAD * np.fft.fftfreq(size, INTERVAL_MRAD))
 
     def deliver(frame: Array) -> Array:
-        x, y = coordinates.make_xy_grid(task.size, dx=pitch_mm)
+        x, y = coordinates.make_xy_grid(size, dx=pitch_mm)
         radius, _ = coordinates.cart_to_polar(x, y)
-        pupil = geometry.circle(task.aperture_mm / 2, radius)
+        pupil = geometry.circle(APERTURE_MM / 2, radius)
         psf = np.abs(propagation.focus(pupil.astype(np.complex128), Q=1)) ** 2
         mtf = np.fft.ifftshift(otf.mtf_from_psf(psf, psf_um).data)
         return np.real(np.fft.ifft2(np.fft.fft2(frame) * mtf * np.outer(pixel, pixel)))
@@ -218,7 +203,7 @@ def prysm(task: Task) -> Deliver:
     return deliver
 
 
-Way = tuple[str, str, Callable[[Task], Deliver]]
+Way = tuple[str, str, Callable[[int], Deliver]]
 OURS: tuple[Way, ...] = (
     ("imagechain", "Imagechain, periodic", partial(Ours, "periodic", "single", False)),
     ("imagechain", "Imagechain, periodic, known", partial(Ours, "periodic", "single", True)),

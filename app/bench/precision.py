@@ -35,14 +35,14 @@ TOLERANCES = (0.0, None, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2)
 
 
 def precision(settings: timing.Settings) -> list[Table]:
-    single = timing.Kodak(settings.small)
+    single = timing.kodak_chain(settings.small)
     scene = single.scene
     expected = truth.mirrored_picture(scene, truth.Sensor(_grid(single).interval_x_mrad))
     rows = []
     for kind in PRECISIONS:
         # The same samples for both, so that drawing in another precision is no error.
-        kodak = timing.Kodak(settings.small, kind, scene)
-        quiet = kodak.without_photons()
+        kodak = timing.kodak_chain(settings.small, kind, scene)
+        quiet = timing.without_photons(kodak.network)
         mean = float(kodak.value(quiet, timing.PIXELS).mean(dtype=np.float64))
         wrong = abs(mean / float(expected.mean()) - 1)
         row = _of_picture(kodak, quiet, expected, scene, settings)
@@ -59,13 +59,13 @@ def precision(settings: timing.Settings) -> list[Table]:
 
 
 def edges(settings: timing.Settings) -> list[Table]:
-    kodak = timing.Kodak(settings.small)
+    kodak = timing.kodak_chain(settings.small)
     scene, sensor = kodak.scene, truth.Sensor(_grid(kodak).interval_x_mrad)
     mirrored = truth.mirrored_picture(scene, sensor)
     rows = []
     for choice in ("reflect", "periodic"):
         expected = mirrored if choice == "reflect" else truth.periodic_picture(scene, sensor)
-        network = kodak.without_photons().with_parameter("init", "edges", choice)
+        network = timing.without_photons(kodak.network).with_parameter("init", "edges", choice)
         other = np.abs(expected - mirrored) / np.abs(mirrored).max()
         border = min(8, len(other) // 4)
         inside = float(other[border:-border, border:-border].max())
@@ -86,7 +86,7 @@ def edges(settings: timing.Settings) -> list[Table]:
 
 
 def _of_picture(
-    kodak: timing.Kodak, network: Network, expected: Array, scene: Array, settings: timing.Settings
+    kodak: timing.Chain, network: Network, expected: Array, scene: Array, settings: timing.Settings
 ) -> Row:
     t0 = timing.round_trip(scene, kodak.policy.workers)
     took = timing.paired(partial(kodak.cold, network, timing.PIXELS), t0, pairs=settings.pairs)
@@ -94,13 +94,13 @@ def _of_picture(
     return {**took, "error": float(wrong)}
 
 
-def _otf(kodak: timing.Kodak, network: Network) -> tuple[Planar, Grid]:
+def _otf(kodak: timing.Chain, network: Network) -> tuple[Planar, Grid]:
     factor = kodak.engine.plan(network).output("optics.mtf").factors[0]
     assert isinstance(factor, Planar)
     return factor, _grid(kodak, network)
 
 
-def _of_blocks(kodak: timing.Kodak, grid: Grid, block: Callable[[slice], Any]) -> float:
+def _of_blocks(kodak: timing.Chain, grid: Grid, block: Callable[[slice], Any]) -> float:
     """Seconds of all blocks of rows, with an empty store."""
     kodak.store.clear()
     slices = [slice(top, top + ROWS_AT_ONCE) for top in range(0, grid.rows, ROWS_AT_ONCE)]
@@ -109,19 +109,19 @@ def _of_blocks(kodak: timing.Kodak, grid: Grid, block: Callable[[slice], Any]) -
     return time.perf_counter() - start
 
 
-def _direct(kodak: timing.Kodak, factor: Planar, grid: Grid) -> float:
+def _direct(kodak: timing.Chain, factor: Planar, grid: Grid) -> float:
     """Seconds of evaluating an OTF at every frequency, with nothing computed before."""
     xi, eta = grid.axes("reflect")
     across, along = xi[np.newaxis, :], eta[:, np.newaxis]
     return _of_blocks(kodak, grid, lambda at: factor.transfer(kodak.work, across, along[at]))
 
 
-def _plane(kodak: timing.Kodak, factor: Planar, grid: Grid) -> float:
+def _plane(kodak: timing.Chain, factor: Planar, grid: Grid) -> float:
     """Seconds of an OTF's plane as a picture's filter takes it."""
     return _of_blocks(kodak, grid, Planes(kodak.work, Product([factor]), grid, "reflect").block)
 
 
-def _pupil_error(kodak: timing.Kodak, factor: Planar, grid: Grid, shape: str) -> float:
+def _pupil_error(kodak: timing.Chain, factor: Planar, grid: Grid, shape: str) -> float:
     (rows, columns), (xi, eta) = places_of(grid.rows), grid.axes("reflect")
     lags = WAVELENGTH_UM * xi[columns], WAVELENGTH_UM * eta[rows]
     found = factor.transfer(kodak.work, *(lag / WAVELENGTH_UM for lag in lags))
@@ -152,8 +152,7 @@ def pupil_network(network: Network, shape: str, size: int, sampled: str = "") ->
 
 
 def pupil_sampling(settings: timing.Settings) -> list[Table]:
-    kodak = timing.Kodak(settings.small)
-    t0 = timing.round_trip(kodak.scene, kodak.policy.workers)
+    kodak = timing.kodak_chain(settings.small)
     rows = []
     kinds = ("clear", "bilinear"), ("half_moon", "bilinear"), ("half_moon", "linear")
     for shape, how in kinds:
@@ -162,7 +161,7 @@ def pupil_sampling(settings: timing.Settings) -> list[Table]:
             otf, method = _otf(kodak, network), how if size else "exact"
             row = {"shape": shape, "method": method, "choice": f"{size}²" if size else "exact"}
             direct = partial(_direct, kodak, *otf)
-            took = timing.paired(direct, t0, pairs=settings.slow_pairs, warm_up=1)
+            took = timing.paired(direct, kodak.t0, pairs=settings.slow_pairs, warm_up=1)
             error = _pupil_error(kodak, *otf, shape)
             rows.append({**row, "curve": f"{shape}, {method}", **took, "error": error})
     heads = {"shape": "pupil", "method": "method", "choice": "OTF", **T0_HEADS}
@@ -190,8 +189,7 @@ def wavelengths(settings: timing.Settings) -> list[Table]:
     heads = {"aperture": "aperture", "choice": "wavelengths", **T0_HEADS, "error": "largest error"}
     if mp is None:
         return [Table("wavelengths", title, heads, [], truth.NEEDS_MPMATH)]
-    kodak = timing.Kodak(settings.small)
-    t0 = timing.round_trip(kodak.scene, kodak.policy.workers)
+    kodak = timing.kodak_chain(settings.small)
     nyquist = _grid(kodak).nyquist_x
     xi = np.linspace(0.0, nyquist, 17)
     sample_mm = ARRAY_MM / 512
@@ -207,7 +205,7 @@ def wavelengths(settings: timing.Settings) -> list[Table]:
             network = kodak.network.with_parameter("pupil", "radius", radius)
             otf = _otf(kodak, network.with_parameter("optics", "wavelengths", count))
             computed = otf[0].transfer(kodak.work, xi, np.zeros_like(xi))
-            took = timing.paired(partial(_plane, kodak, *otf), t0, pairs=3, warm_up=1)
+            took = timing.paired(partial(_plane, kodak, *otf), kodak.t0, pairs=3, warm_up=1)
             error = float(np.abs(computed - np.array(means)).max())
             rows.append({"aperture": aperture, "choice": count, **took, "error": error})
     text = (
@@ -227,8 +225,7 @@ def charge_transfer(settings: timing.Settings) -> list[Table]:
     mp = truth.mpmath()
     if mp is None:
         return [Table("charge_transfer", title, heads, [], truth.NEEDS_MPMATH)]
-    kodak = timing.Kodak(settings.small)
-    t0 = timing.round_trip(kodak.scene, kodak.policy.workers)
+    kodak = timing.kodak_chain(settings.small)
     w, full = np.linspace(0.0, math.pi, 65), np.linspace(0.0, math.pi, settings.small)
     rows = []
     for transfers, efficiency in TRANSFERS:
@@ -238,7 +235,7 @@ def charge_transfer(settings: timing.Settings) -> list[Table]:
             how: Any = {"transfers": transfers, "efficiency": float(efficiency), "model": model}
             found, turned = _charge_transfer(w, how)
             subject = partial(timing.seconds, partial(_charge_transfer, full, how))
-            took = timing.paired(subject, t0, pairs=settings.pairs)
+            took = timing.paired(subject, kodak.t0, pairs=settings.pairs)
             wrong = np.abs(found * np.exp(1j * turned) - mtf * np.exp(1j * ptf))
             setting = f"{transfers} × {figure_text(1 - float(efficiency))}"
             row: Row = {"choice": model, "setting": setting}
@@ -261,9 +258,8 @@ def _charge_transfer(w: Array, how: Any) -> tuple[Any, Any]:
 
 
 def poisson(settings: timing.Settings) -> list[Table]:
-    kodak = timing.Kodak(settings.size)
+    kodak = timing.kodak_chain(settings.size)
     shape, workers, for_each = kodak.scene.shape, kodak.policy.workers, kodak.work.for_each
-    t0 = timing.round_trip(kodak.scene, workers)
     chance = CHANCE / math.sqrt(kodak.scene.size)
     stream = Stream(seed=1996, node="photons", field="photons")
     rows = []
@@ -277,7 +273,7 @@ def poisson(settings: timing.Settings) -> list[Table]:
         for choice, subject in subjects.items():
             counts = np.asarray(subject())
             took = timing.paired(
-                partial(timing.seconds, subject), t0, pairs=settings.slow_pairs, warm_up=1
+                partial(timing.seconds, subject), kodak.t0, pairs=settings.slow_pairs, warm_up=1
             )
             plain = choice == "exact, numpy"
             row = {"choice": choice, "mean": mean, "mark": None if plain else f"{mean:g}"}
@@ -315,13 +311,12 @@ def skipping(settings: timing.Settings) -> list[Table]:
     network, sensor = weak_chain(settings.small)
     first = timing.Chain(network, Policy(tolerance=0.0))
     expected = truth.mirrored_frame(first.scene, sensor)
-    t0 = timing.round_trip(first.scene, first.policy.workers)
     rows = []
     for kind in PRECISIONS:
         for tolerance in TOLERANCES:
             chain = timing.Chain(network, Policy(kind, tolerance), first.scene)
             took = timing.paired(
-                partial(chain.cold, network, "back.image"), t0, pairs=settings.pairs
+                partial(chain.cold, network, "back.image"), first.t0, pairs=settings.pairs
             )
             error, skipped = left_out(chain, expected)
             shown = "default" if tolerance is None else figure_text(tolerance)
@@ -370,7 +365,7 @@ def weak_chain(size: int) -> tuple[Network, truth.Sensor]:
     return timing.sensor_network(("test_scene", scene), init, stages, disc=disc), sensor
 
 
-def _grid(kodak: timing.Kodak, network: Network | None = None) -> Grid:
+def _grid(kodak: timing.Chain, network: Network | None = None) -> Grid:
     grid = kodak.engine.plan(network or kodak.network).output("init.context").grid
     assert isinstance(grid, Grid)
     return grid

@@ -27,7 +27,7 @@ LOOKS = 20  # repetitions of what takes microseconds
 
 
 def networks(settings: timing.Settings) -> list[Table]:
-    kodak = timing.Kodak(settings.size)
+    kodak = timing.kodak_chain(settings.size)
     rows = [*_cold_and_edited(kodak, settings), _plain(kodak, settings)]
     rows += [_unchanged(kodak, settings)]
     title = f"Kodak KIR-310, {settings.size}² → {settings.size // 2}², single precision"
@@ -42,7 +42,7 @@ def networks(settings: timing.Settings) -> list[Table]:
 
 
 def one_thread(settings: timing.Settings) -> list[Table]:
-    rows = _cold_and_edited(timing.Kodak(settings.size, threads=1), settings)
+    rows = _cold_and_edited(timing.kodak_chain(settings.size, threads=1), settings)
     title = f"Whole chain and edits on one thread, {settings.size}² → {settings.size // 2}²"
     text = (
         "T0 is measured on one thread. The work between the large loops (planning, noise, "
@@ -52,8 +52,8 @@ def one_thread(settings: timing.Settings) -> list[Table]:
     return [Table("one_thread", title, HEADS, rows, text)]
 
 
-def _cold_and_edited(kodak: timing.Kodak, settings: timing.Settings) -> list[Any]:
-    whole, quiet = kodak.network, kodak.without_photons()
+def _cold_and_edited(kodak: timing.Chain, settings: timing.Settings) -> list[Any]:
+    whole, quiet = kodak.network, timing.without_photons(kodak.network)
     sensor, read = ("electronics",), partial(kodak.cold, whole, timing.FINAL, tuple(whole.nodes))
     cold: list[Subject] = [
         ("whole network", partial(kodak.cold, whole, timing.FINAL, sensor), 5.0, 2.5),
@@ -74,10 +74,9 @@ def _cold_and_edited(kodak: timing.Kodak, settings: timing.Settings) -> list[Any
 
 
 def timed(chain: timing.Chain, subjects: list[Subject], settings: timing.Settings) -> list[Any]:
-    t0 = timing.round_trip(chain.scene, chain.policy.workers)
     rows = []
     for name, subject, reach, aim in subjects:
-        facts = timing.paired(subject, t0, pairs=settings.pairs)
+        facts = timing.paired(subject, chain.t0, pairs=settings.pairs)
         rows.append(_row(name, facts, reach, aim) | {"threads": chain.policy.workers})
     return rows
 
@@ -87,17 +86,18 @@ def _row(name: str, facts: dict[str, Any], reach: float | None, aim: float | Non
     return {"subject": name, "value": value, "unit": "T0", **facts, **judged(value, reach, aim)}
 
 
-def _plain(kodak: timing.Kodak, settings: timing.Settings) -> Any:
+def _plain(kodak: timing.Chain, settings: timing.Settings) -> Any:
     """In double precision, numpy's default."""
     grabber = kodak.network.nodes["frame_grabber"].params
     subject = partial(whole_chain, kodak.scene, grabber["height"], grabber["width"], 1996)
-    t0 = timing.round_trip(kodak.scene, kodak.policy.workers)
-    took = timing.paired(partial(timing.seconds, subject), t0, pairs=settings.slow_pairs, warm_up=1)
+    took = timing.paired(
+        partial(timing.seconds, subject), kodak.t0, pairs=settings.slow_pairs, warm_up=1
+    )
     name = "stage by stage as in 1996, numpy, no photon noise"
     return _row(name, took, None, None)
 
 
-def _unchanged(kodak: timing.Kodak, settings: timing.Settings) -> Any:
+def _unchanged(kodak: timing.Chain, settings: timing.Settings) -> Any:
     kodak.value(kodak.network, timing.FINAL)
     before = kodak.engine.plan(kodak.network)
     per_node = 1e6 / len(kodak.network.nodes)

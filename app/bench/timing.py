@@ -199,6 +199,7 @@ class Chain:
         self.take(self.scene)
         self.store.clear()
         self._edits = 0
+        self.t0 = round_trip(self.scene, policy.workers)
 
     def take(self, scene: Any) -> None:
         self.store.hold(self._key, scene)
@@ -241,16 +242,15 @@ class Chain:
         return time.perf_counter() - start
 
 
-class Kodak(Chain):
+def kodak_chain(
+    size: int, precision: Precision = "single", scene: Any = None, threads: int = 0
+) -> Chain:
     """The Kodak KIR-310 network, its scene of `size`² samples."""
+    return Chain(kodak_network(size), Policy(precision, threads=threads), scene)
 
-    def __init__(
-        self, size: int, precision: Precision = "single", scene: Any = None, threads: int = 0
-    ) -> None:
-        super().__init__(kodak_network(size), Policy(precision, threads=threads), scene)
 
-    def without_photons(self) -> Network:
-        return self.network.with_parameter("photons", "percent", 0.0)
+def without_photons(network: Network) -> Network:
+    return network.with_parameter("photons", "percent", 0.0)
 
 
 def kodak_network(size: int) -> Network:

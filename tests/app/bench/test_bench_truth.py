@@ -9,7 +9,7 @@ import pytest
 
 from app.bench import precision
 from app.bench.speed import plain_optics, whole_chain
-from app.bench.timing import PIXELS, Chain, Kodak
+from app.bench.timing import PIXELS, Chain, kodak_chain, without_photons
 from app.bench.truth import (
     Sensor,
     kolmogorov_distance,
@@ -24,8 +24,8 @@ from core.evaluation.work import Policy
 
 def test_stage_by_stage_is_the_same_optics():
     """Two independent programs of one chain agree, periodic as in 1996."""
-    kodak = Kodak(64, "double")
-    network = kodak.without_photons().with_parameter("init", "edges", "periodic")
+    kodak = kodak_chain(64, "double")
+    network = without_photons(kodak.network).with_parameter("init", "edges", "periodic")
     expected = plain_optics(kodak.scene)
     got = kodak.value(network, PIXELS)
     # 1 − 0.99999 keeps eleven digits, and 640 transfers of that error are left.
@@ -39,8 +39,8 @@ def test_stage_by_stage_is_the_same_optics():
     ("edges", "direct"), [("reflect", mirrored_picture), ("periodic", periodic_picture)]
 )
 def test_direct_sums(edges, direct):
-    kodak = Kodak(36, "double")
-    network = kodak.without_photons().with_parameter("init", "edges", edges)
+    kodak = kodak_chain(36, "double")
+    network = without_photons(kodak.network).with_parameter("init", "edges", edges)
     interval = math.radians(25) * 1000 / 36
     expected = direct(kodak.scene, Sensor(interval))
     got = kodak.value(network, PIXELS)
