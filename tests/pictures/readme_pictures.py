@@ -31,7 +31,7 @@ STILLS = {
 
 def make_still(file, words):
     """A part of the window on a network, drawn without a display."""
-    command = [sys.executable, "-m", "app", "edit", *words, "--screenshot", str(file)]
+    command = [sys.executable, "-m", "imagechain", "edit", *words, "--screenshot", str(file)]
     environment = {**os.environ, "QT_QPA_PLATFORM": "offscreen"}
     _succeed(finished(command, env=environment))
 
