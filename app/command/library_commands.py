@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from app.command import options
 from app.run import option_values as values
-from app.run.terminal import Stop, Stopped, columns, print_error
+from app.run.terminal import Stop, Stopped, columns, print_error, values_of
 from core.errors import UsageError, alike, close, shown
 from core.modules.declaration import Declaration, package_of, ports_text, where_absent
 from core.modules.parameters import Parameter, plain
@@ -103,26 +103,15 @@ def modules(_stop: Stop, key: str, json: bool) -> None:
 
 def _described(declared: Declaration) -> dict[str, Any]:
     return {
-        "key": declared.key,
-        "title": declared.title,
-        "group": declared.group,
+        **values_of(declared, "key", "title", "group"),
         "package": package_of(declared.key),
-        "version": declared.version,
-        "summary": declared.summary,
-        "text": declared.text,
-        "formulas": [
-            {"tex": one.tex, "where": one.where, "when": one.when} for one in declared.formulas
-        ],
+        **values_of(declared, "version", "summary", "text"),
+        "formulas": [values_of(one, "tex", "where", "when") for one in declared.formulas],
         "sink": declared.sink,
-        "inputs": [
-            {"name": port.name, "types": list(port.types), "required": port.required}
-            for port in declared.inputs
-        ],
-        "outputs": [{"name": port.name, "types": list(port.types)} for port in declared.outputs],
+        "inputs": [values_of(port, "name", "types", "required") for port in declared.inputs],
+        "outputs": [values_of(port, "name", "types") for port in declared.outputs],
         "parameters": [_parameter(parameter) for parameter in declared.parameters],
-        "readouts": [
-            {"name": r.name, "unit": r.unit, "meaning": r.meaning} for r in declared.readouts
-        ],
+        "readouts": [values_of(one, "name", "unit", "meaning") for one in declared.readouts],
     }
 
 

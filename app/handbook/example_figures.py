@@ -11,6 +11,7 @@ import numpy as np
 import networks
 from app.report.drawing.curves import draw_on
 from app.report.drawing.picture_drawing import figure, number, short
+from app.run.evaluation import block_means
 from app.run.saving import encode_png, grey_levels, robust_limits
 from app.run.shipped import published_networks
 from core.arrays import Array
@@ -105,7 +106,8 @@ def _before_and_after(plan: Plan, engine: Engine, work: Work) -> list[str]:
 def picture(samples: Array, caption: str, limits: tuple[float, float] | None = None) -> str:
     """A picture in grey as a piece of a page."""
     low, high = limits or robust_limits(samples)
-    samples = _means(samples, -(-max(samples.shape) // _LARGEST))
+    if (step := -(-max(samples.shape) // _LARGEST)) > 1:
+        samples = block_means(samples, step, step)
     levels = grey_levels(low, high, samples)
     times = max(1, _LARGE // max(levels.shape))
     levels = np.repeat(np.repeat(levels, times, axis=0), times, axis=1)
@@ -142,15 +144,6 @@ def _transfer(value: Transfer, samples: Array) -> str:
     series += [] if alike else [Series("vertical (η)", eta, along)]
     unit = " (rad)" if value.part == "ptf" else ""
     return curves(CurveData(title, "cycles/mrad", title + unit, tuple(series)), title)
-
-
-def _means(samples: Array, size: int) -> Array:
-    """Means of blocks; rows and columns left over are dropped."""
-    if size < 2:
-        return samples
-    rows, columns = samples.shape[0] // size, samples.shape[1] // size
-    blocks = samples[: rows * size, : columns * size].reshape(rows, size, columns, size)
-    return np.asarray(blocks.mean(axis=(1, 3)))
 
 
 def curves(data: CurveData, caption: str) -> str:
@@ -389,7 +382,7 @@ MODULES = "modules"
 
 # Published cameras: the read-outs of their networks beside the figures of data sheets and papers.
 #
-# A network of `networks/published` has `published` as every network may (see `published_rows`), and
+# A network of `networks/published` has `published` as every network may (`published_facts`), and
 # `inputs`: a list of objects with `of`, names of parameters, and `where`, the source of their
 # values. A value that no source gives has `until` NODE.READOUT=VALUE, the figure it was solved
 # from, and `reason`: whether it is plausible. `where` then says solved.

@@ -17,7 +17,6 @@ from itertools import pairwise
 from typing import Any
 
 from app.report.drawing.picture_drawing import load_matplotlib
-from core.errors import ImagechainError
 
 Figure = Callable[[str], str]
 _SOURCE = re.compile(r"^(\w+)\.md\b")
@@ -117,28 +116,20 @@ _LARGE = re.compile(
 _COMMANDS = {1: ("M", 1), 2: ("L", 1), 3: ("Q", 2), 4: ("C", 3), 79: ("Z", 1)}
 
 
-class FormulaError(ImagechainError):
-    """A formula that cannot be typeset."""
-
-    exit_code = 1
-
-
 @cache
 def formula_svg(tex: str) -> str:
+    """A formula's drawing; a `ValueError` where matplotlib cannot typeset it."""
     mpl = load_matplotlib()
     from matplotlib.font_manager import FontProperties
     from matplotlib.textpath import TextToPath
 
-    try:
-        with mpl.rc_context({"mathtext.fontset": "stix"}):
-            drawing = TextToPath()
-            face = FontProperties(family="STIXGeneral", size=_SIZE)
-            spaced = _LARGE.sub(r"\g<0>\\,", tex)
-            text = f"${spaced}$".replace(r"\frac", r"\dfrac")
-            width, height, descent = drawing.get_text_width_height_descent(text, face, ismath=True)
-            points, codes = drawing.get_text_path(face, text, ismath=True)
-    except ValueError as error:
-        raise FormulaError(f"the formula {tex!r} cannot be typeset: {error}") from error
+    with mpl.rc_context({"mathtext.fontset": "stix"}):
+        drawing = TextToPath()
+        face = FontProperties(family="STIXGeneral", size=_SIZE)
+        spaced = _LARGE.sub(r"\g<0>\\,", tex)
+        text = f"${spaced}$".replace(r"\frac", r"\dfrac")
+        width, height, descent = drawing.get_text_width_height_descent(text, face, ismath=True)
+        points, codes = drawing.get_text_path(face, text, ismath=True)
     outline = _outline(points, codes, _SIZE / drawing.FONT_SCALE, height - descent)
     return (
         f'<svg class="formula" role="math" aria-label="{html.escape(tex)}" '

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.handbook import example_figures as figures
-from app.handbook.markdown_text import FormulaError, anchor_of, formula_svg, rendered
+from app.handbook.markdown_text import anchor_of, formula_svg, rendered
 from app.report.html_page import templates
 from app.run import option_values, overrides, shipped
 from app.user_folders import FOLDERS
@@ -263,8 +263,7 @@ class _Frame:
         self._order = [entry for _, entries in self._parts for entry in entries]
 
     def piece(self, template: str, **values: Any) -> str:
-        made: str = self._environment.get_template(template).render(**values)
-        return made
+        return str(self._environment.get_template(template).render(**values))
 
     def page(self, address: str, template: str, title: str, **values: Any) -> str:
         place = next(at for at, entry in enumerate(self._order) if entry[0] == address)
@@ -368,7 +367,7 @@ def drawn(tex: str) -> str:
     """A formula's drawing; its TeX as it is where a plug-in's cannot be typeset."""
     try:
         return formula_svg(tex)
-    except FormulaError:
+    except ValueError:
         return f"<code>{html.escape(tex)}</code>"
 
 

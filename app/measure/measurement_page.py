@@ -12,7 +12,7 @@ from app.measure.picture_measurement import MeasuredEdge, NoiseFigures, PictureM
 from app.report import html_page as html
 from app.report.drawing.picture_drawing import COLOURS, figure, number
 from app.run.saving import robust_limits
-from app.run.terminal import json_text
+from app.run.terminal import json_text, values_of
 from core.atomic import write_text
 from core.errors import DataError, UsageError, listed, printable
 from core.physics.measurement.edge_mtf import LARGEST_ANGLE_DEG, MtfCurve
@@ -377,7 +377,7 @@ def _edge(edge: MeasuredEdge, of_several: bool) -> Json:
     )
     return {
         **({"picture": edge.picture} if of_several else {}),
-        **{name: getattr(edge.found, name) for name in _FOUND},
+        **values_of(edge.found, *_FOUND),
         **_given(**figures),
         "used": edge.used,
         "why_not": edge.why_not,

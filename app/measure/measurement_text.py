@@ -66,7 +66,7 @@ def _mtf_rows(
 ) -> list[Row]:
     if curve is None:
         return []
-    many = "1 edge" if curve.edges == 1 else f"{curve.edges} edges"
+    many = several(curve.edges, "edge")
     rows: list[Row] = []
     if curve.mtf50 is not None:
         of = f"frequency at which the {words} MTF is one half"

@@ -3,14 +3,14 @@
 import math
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 
 from app.measure import picture_measurement as results
 from app.measure.measurement_text import exceeds_one, in_words
 from core.arrays import Matrix
-from core.errors import DataError, ParameterError
+from core.errors import DataError, ParameterError, several
 from core.physics.measurement import edge_mtf, edge_search, found_edge, picture_noise
 from core.physics.sampling.detector_sampling import interval_mrad
 from core.records import replace
@@ -43,8 +43,10 @@ def measure_files(
     results.same_size(files)
     if dark is not None:
         offset_dn = _dark_level(dark, files[0], check)
-    given: Any = {"names": ("--fov-x-deg", "--pitch-um"), "check": check, "report": report}
-    return measure_pictures(files, fov_x_deg, offset_dn, pitch_um, **given)
+    names = "--fov-x-deg", "--pitch-um"
+    return measure_pictures(
+        files, fov_x_deg, offset_dn, pitch_um, names=names, check=check, report=report
+    )
 
 
 def measure_pictures(
@@ -97,8 +99,8 @@ def measure_pictures(
             continue
         try:
             missing = found_edge.missing_samples(picture=picture)
-            how: Any = {"avoid": missing, "offset": offset, "check": check}
-            noises.append(picture_noise.noise_of_picture(picture=picture, **how))
+            noise_of = picture_noise.noise_of_picture
+            noises.append(noise_of(picture=picture, avoid=missing, offset=offset, check=check))
         except DataError as error:  # numbers too large or too small for it
             no_noise.append(error.message)
     noise, noise_reason = pooled_noise(noises, offset_dn=offset)
@@ -351,8 +353,7 @@ def _no_edge(near: Sequence[results.MeasuredEdge], direction: str) -> str:
         most = edge_mtf.LARGEST_ANGLE_DEG
         return f"no straight edge with a normal within {most:g}° of the {words} was found"
     if removed := sum(edge.why_not == results.BY_HAND for edge in near):
-        many = "1 edge" if removed == 1 else f"{removed} edges"
-        return f"you removed {many} that would give this MTF"
+        return f"you removed {several(removed, 'edge')} that would give this MTF"
     if len(near) == 1:
         return f"the only edge that would give this MTF cannot be used: {near[0].why_not}"
     reasons = in_words(edge.why_not for edge in near)

@@ -53,8 +53,9 @@ class MeasuredEdge:
         alone = edge_mtf.pooled_mtf(edges=[curve], axis="y" if self.direction == "y" else "x")
         if alone is None:
             return curve.mtf50_sigma
-        own = {"frequency": alone.frequency, "mtf": alone.mtf, "sigma": alone.sigma}
-        return edge_mtf.crossing_error(**own, crossing=curve.mtf50)
+        return edge_mtf.crossing_error(
+            frequency=alone.frequency, mtf=alone.mtf, sigma=alone.sigma, crossing=curve.mtf50
+        )
 
     @property
     def stretch(self) -> float:

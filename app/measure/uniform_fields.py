@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from app.run.terminal import columns, json_text, number_text
+from app.run.terminal import columns, json_text, number_text, values_of
 from core.errors import DataError, in_line
 from core.physics.measurement import thermal_response as thermal
 from core.physics.measurement.photon_transfer import (
@@ -153,7 +153,7 @@ def _of_transfer(
         values = map(number_text, (field.mean_dn, field.temporal_dn2, field.fixed_dn2))
         state = "saturated" if saturated else "" if used else "not used for the fit"
         levels.append((path.name, str(field.frames), *values, state))
-        fact = {"file": str(path), **{name: getattr(field, name) for name in _OF_LEVEL}}
+        fact = {"file": str(path), **values_of(field, *_OF_LEVEL)}
         fact |= {"bad_pixels": field.bad, "structure_share": field.structure_share}
         facts.append(fact | {"used": used, "saturated": saturated})
         table.append((f"{path.name}: mean_dn", field.mean_dn, "DN", "mean of this level"))

@@ -303,8 +303,10 @@ def spectra_png(spectra: list[Fact], responses: list[Fact]) -> bytes:
         colours = cycle(drawing.COLOURS)
         units = list(dict.fromkeys(one["unit"] for one in spectra))
         for one, colour in zip(spectra[: drawing.MOST_DRAWN], colours, strict=False):
-            look = {"marker": "o" if one["bands"] <= _FEW else None, "label": _ports(one)}
-            axis.plot(one["centres_um"], one["mean"], color=colour, lw=1.6, ms=3, **look)
+            axis.plot(
+                one["centres_um"], one["mean"], color=colour, lw=1.6, ms=3, label=_ports(one),
+                marker="o" if one["bands"] <= _FEW else None,
+            )  # fmt: skip
         axis.set_xlabel("wavelength (µm)")
         axis.set_ylabel(f"mean ({', '.join(units)})" if any(units) else "mean")
         lowest = min(min(one["mean"]) for one in spectra)
@@ -316,8 +318,10 @@ def spectra_png(spectra: list[Fact], responses: list[Fact]) -> bytes:
             beside.set_ylim(0.0, 1.05)
             beside.set_ylabel("response")
             for one, colour in zip(responses, colours, strict=False):
-                look = {"ls": "--", "label": f"{one['name']} of {one['node']}"}
-                beside.plot(one["wavelength_um"], one["values"], color=colour, lw=1.6, **look)
+                beside.plot(
+                    one["wavelength_um"], one["values"], color=colour, lw=1.6, ls="--",
+                    label=f"{one['name']} of {one['node']}",
+                )  # fmt: skip
         drawn.legend(loc="outside lower center", ncols=2, fontsize=8.5)
     return out.getvalue()
 

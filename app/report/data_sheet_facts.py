@@ -253,17 +253,21 @@ _TEXTS = ("figure", "where", "unit", "from", "reason")
 _FIELDS = (*_TEXTS, "value", "within")
 
 
-def published_rows(evaluation: Evaluation, nyquist: Mapping[str, float]) -> list[dict[str, Any]]:
-    """Each published figure with ours and a verdict; none where a shipped network was changed."""
+def published_facts(evaluation: Evaluation, nyquist: Mapping[str, float]) -> Fact:
+    """Each published figure with ours and a verdict, and conflicts within the source.
+
+    Nothing of a shipped network that was changed.
+    """
     entries = evaluation.network.extra.get("published", ())
     if not isinstance(entries, tuple):
         raise NetworkError("published must be a list of figures")
-    if is_changed(evaluation):
-        return []
-    return [_row(evaluation, nyquist, number, entry) for number, entry in enumerate(entries, 1)]
+    if _is_changed(evaluation):
+        return {"published": [], "conflicts": []}
+    rows = [_row(evaluation, nyquist, number, entry) for number, entry in enumerate(entries, 1)]
+    return {"published": rows, "conflicts": _conflicts(evaluation.network)}
 
 
-def is_changed(evaluation: Evaluation) -> bool:
+def _is_changed(evaluation: Evaluation) -> bool:
     """Whether the figures were published for a shipped network, and this one differs from it."""
     wanted = _named(evaluation.network.extra.get("published", ()))
     changed = False
@@ -292,7 +296,7 @@ def _content(plan: Plan) -> Any:
     return nodes, set(plan.network.links)
 
 
-def conflicts(network: Network) -> list[str]:
+def _conflicts(network: Network) -> list[str]:
     texts = network.extra.get("conflicts", ())
     if not isinstance(texts, tuple) or not all(isinstance(text, str) for text in texts):
         raise NetworkError("conflicts must be a list of strings")

@@ -121,8 +121,9 @@ class _Chain:
     def edge(self, angle_deg: float) -> Step:
         """The edge, its normal turned by this from across towards along."""
         scene = self.scene
-        size: Any = {"width": scene.columns, "height": scene.rows}
-        return Step.of(edge_drawn, scene.recipe, **size, angle_deg=angle_deg)
+        return Step.of(
+            edge_drawn, scene.recipe, width=scene.columns, height=scene.rows, angle_deg=angle_deg
+        )
 
     def picture(self, angle_deg: float) -> Image:
         def change(recipe: Recipe) -> Recipe | None:

@@ -109,5 +109,4 @@ def templates(folder: Path, **how: Any) -> Any:
 
 def page(title: str, blocks: Iterable[str]) -> str:
     template = templates(TEMPLATES, keep_trailing_newline=True).get_template("page.html")
-    made: str = template.render(title=title, content=Markup("").join((heading(1, title), *blocks)))
-    return made
+    return str(template.render(title=title, content=Markup("").join((heading(1, title), *blocks))))

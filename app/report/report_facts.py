@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from app.report import budget, edge_measurement
-from app.report.data_sheet_facts import conflicts, data_sheet_facts, is_changed, published_rows
+from app.report.data_sheet_facts import data_sheet_facts, published_facts
 from app.report.drawing import curves, picture_drawing
 from app.run import terminal, transfer_chain
 from app.run.evaluation import Evaluation, main_figures
@@ -40,8 +40,7 @@ def report_facts(evaluation: Evaluation, skipped: tuple[Skip, ...]) -> dict[str,
         "format": "imagechain-report",
         "version": 1,
         "network": {
-            "name": network.name,
-            "description": network.description,
+            **terminal.values_of(network, "name", "description"),
             "nodes": len(network.nodes),
             "links": [link.text() for link in network.links],
         },
@@ -73,8 +72,7 @@ def report_facts(evaluation: Evaluation, skipped: tuple[Skip, ...]) -> dict[str,
         "figures": main_figures(evaluation),
         "data_sheet": data_sheet_facts(evaluation, nodes),
         "nodes": nodes,
-        "published": published_rows(evaluation, nyquist),
-        "conflicts": [] if is_changed(evaluation) else conflicts(network),
+        **published_facts(evaluation, nyquist),
         "skipped": _skipped(skipped),
     }
 
@@ -93,8 +91,7 @@ def picture_facts(evaluation: Evaluation, port: str, role: str) -> dict[str, Any
     image: wires.Image = evaluation.plan.output(port)
     seen = statistics(engine.realize(image, evaluation.work), for_each=evaluation.work.for_each)
     names = ("columns", "rows", "interval_x_mrad", "interval_y_mrad", "unit", "band_um")
-    about = {name: getattr(image, name) for name in names}
-    return {"port": port, "role": role, **about, **asdict(seen)}
+    return {"port": port, "role": role, **terminal.values_of(image, *names), **asdict(seen)}
 
 
 def _run(evaluation: Evaluation) -> dict[str, Any]:
@@ -137,7 +134,7 @@ def _node(evaluation: Evaluation, name: str, node: engine.PlannedNode) -> dict[s
     assert node.module is not None
     return {
         "module": declared.key,
-        **{name: getattr(declared, name) for name in ("title", "group", "summary")},
+        **terminal.values_of(declared, "title", "group", "summary"),
         "disabled": node.node.disabled,
         "neutral": node.is_neutral,
         "seconds": evaluation.work.seconds.get(name, 0.0),
@@ -153,7 +150,7 @@ def _node(evaluation: Evaluation, name: str, node: engine.PlannedNode) -> dict[s
         },
         "tables": {
             port: [
-                {"name": r.name, "value": r.value, "unit": r.unit, "meaning": r.meaning}
+                terminal.values_of(r, "name", "value", "unit", "meaning")
                 for r in engine.realize(value, evaluation.work).rows
             ]
             for port, value in node.outputs.items()

@@ -2,7 +2,7 @@
 
 import math
 import statistics
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -81,8 +81,10 @@ def curves_png(
         if names:
             handles = [line for line in panels[0].get_lines() if line.get_label()[0] != "_"]
             count = drawing.legend_columns(names, width)
-            how = {"handles": drawing.by_rows(handles, count), "ncols": count, "title": title}
-            drawn.legend(**how, loc="outside lower center", fontsize=8.5)
+            drawn.legend(
+                handles=drawing.by_rows(handles, count), ncols=count, title=title,
+                loc="outside lower center", fontsize=8.5,
+            )  # fmt: skip
     return out.getvalue()
 
 
@@ -102,8 +104,9 @@ def _draw(panel: Any, along: Variation, curves: Sequence[tuple[str, Any, Any]]) 
             panel.plot(gaps, [0.0] * len(gaps), "x", transform=low, color=_FAILED, clip_on=False)
         marker = "o" if len(places) <= _MOST_MARKED or not along.is_numeric else ""
         style = "-" if along.is_numeric else ":"
-        look = {"marker": marker, "markersize": 3, "color": colour, "label": name or "_"}
-        panel.plot(places, heights, style, **look)
+        panel.plot(
+            places, heights, style, marker=marker, markersize=3, color=colour, label=name or "_"
+        )
     abscissa(panel, along)
     ordinate(panel, every)
 
@@ -311,7 +314,7 @@ def study_png(result: StudyRows) -> bytes:
     shown = _with_values(result)
     grid = math.prod(len(axis.values) for axis in study.axes) == len(result.rows)
     if not shown:
-        draw: Any = _nothing
+        draw: Callable[..., bytes] = _nothing
     elif len(axes) <= 2 and sum(not axis.is_files for axis in axes) <= 1:
         draw = _curves
     elif len(axes) == 2 and grid and all(len(axis.values) <= 1000 for axis in axes):
@@ -323,8 +326,7 @@ def study_png(result: StudyRows) -> bytes:
     note = (
         f"{len(shown)} of {every} figures; choose other figures with --figure" if left_out else ""
     )
-    png: bytes = draw(result, axes[:MOST_ACROSS], shown, note)
-    return png
+    return draw(result, axes[:MOST_ACROSS], shown, note)
 
 
 def _curves(result: StudyRows, axes: Sequence[Variation], shown: Sequence[int], note: str) -> bytes:

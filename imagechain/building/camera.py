@@ -56,8 +56,10 @@ class Camera:
         if usable is not None and 4 * math.prod(self._size) > usable:
             raise UsageError(_TOO_LARGE.format(size))
         own = OwnScene(np.zeros(self._size, np.float32), **words)
-        how: Any = {"library": planner.library, "plan": state.plan(planner), "engine": planner}
-        replaced = with_own_scene(state.network, own, node=scene.get("node"), **how)
+        replaced = with_own_scene(
+            state.network, own, library=planner.library, plan=state.plan(planner),
+            node=scene.get("node"), engine=planner,
+        )  # fmt: skip
         self._scene, self._ends = replaced.node, replaced.ends
         assert replaced.samples is not None
         samples = {**state.samples, replaced.node: replaced.samples}

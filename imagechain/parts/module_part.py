@@ -11,6 +11,7 @@ from typing import Any, Literal
 import numpy as np
 
 from app.run.preset_files import shipped_presets
+from app.run.terminal import number_text
 from core.errors import DataError, NetworkError, ParameterError, close, placed, shown, thaw
 from core.modules.declaration import Declaration, declaration, local_key
 from core.modules.parameters import Parameter, plain
@@ -103,13 +104,7 @@ def simple(value: Any) -> Any:
 
 def shown_value(value: Any) -> str:
     """A parameter's value as a short text."""
-    if value is None:
-        return "-"
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, float):
-        return f"{value:.6g}"
-    return str(value)
+    return str(value).lower() if isinstance(value, bool) else number_text(value)
 
 
 # A function for every module, with its documented parameters as arguments.

@@ -8,6 +8,7 @@ from typing import Any, Literal
 import numpy as np
 
 from app.report.drawing import picture_drawing as drawing
+from app.run import terminal
 from app.run.evaluation import Evaluation
 from app.run.transfer_chain import Chain, Response, Responses, StageResponse
 from core.chain.engine import realize
@@ -34,8 +35,8 @@ def curve_facts(evaluation: Evaluation) -> list[dict[str, Any]]:
     return [
         {
             "port": port,
-            **{name: getattr(data, name) for name in names},
-            "series": [{"label": s.label, "x": s.x, "y": s.y} for s in data.series],
+            **terminal.values_of(data, *names),
+            "series": [terminal.values_of(series, "label", "x", "y") for series in data.series],
         }
         for port, data in node_curves(evaluation)
     ]

@@ -68,8 +68,9 @@ def note(axis: Any, text: str, place: Any, away: tuple[float, float], **look: An
 
 
 def legend_below(axis: Any, away: float, size: float) -> None:
-    place = {"loc": "upper center", "bbox_to_anchor": (0.5, 0.0), "borderaxespad": away}
-    axis.legend(**place, ncols=2, fontsize=size)
+    axis.legend(
+        loc="upper center", bbox_to_anchor=(0.5, 0.0), borderaxespad=away, ncols=2, fontsize=size
+    )
 
 
 @contextmanager
