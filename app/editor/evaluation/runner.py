@@ -402,7 +402,7 @@ class Position:
         self.wanted = wanted
         self.done = 0
         self.stopped = False
-        self._nodes: list[str | None] = []
+        self.nodes: list[str | None] = []  # whose recipes are computed, each for the one before
         self._must_stop = must_stop
 
     @property
@@ -411,19 +411,13 @@ class Position:
 
     @property
     def node(self) -> str | None:
-        nodes = tuple(self._nodes)
+        nodes = tuple(self.nodes)
         return next((node for node in reversed(nodes) if node), None)
 
     def check(self) -> None:
         if self.stopped or self._must_stop(self):
             self.stopped = True
             raise Cancelled("stopped on request")
-
-    def enter(self, node: str | None) -> None:
-        self._nodes.append(node)
-
-    def leave(self) -> None:
-        self._nodes.pop()
 
 
 class PassWork(Work):
@@ -438,11 +432,11 @@ class PassWork(Work):
         position = self._position
         if threading.get_ident() != position.thread:
             return super()._compute(recipe, region)
-        position.enter(recipe.node)
+        position.nodes.append(recipe.node)
         try:
             return super()._compute(recipe, region)
         finally:
-            position.leave()
+            position.nodes.pop()
 
 
 SLOW_S = 0.15
