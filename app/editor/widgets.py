@@ -17,10 +17,6 @@ Act = Callable[[], object]
 
 
 class Toggle(QtWidgets.QToolButton):
-    def __init__(self, parent: QtWidgets.QWidget | None = None) -> None:
-        super().__init__(parent)
-        self.setCheckable(True)
-
     def initStyleOption(self, option: QtWidgets.QStyleOptionToolButton) -> None:
         super().initStyleOption(option)
         if self.isChecked():
@@ -131,7 +127,7 @@ def tool_button(
 
 
 def toggle_button(name: str, text: str, description: str, parent: QtWidgets.QWidget) -> Toggle:
-    return _worded(Toggle(parent), name, text, description, None)
+    return _worded(Toggle(parent, checkable=True), name, text, description, None)
 
 
 def _worded(button: B, name: str, text: str, description: str, act: Act | None) -> B:
@@ -177,8 +173,9 @@ def menu_button(
 
 
 def offer(
-    menu: QtWidgets.QMenu, name: str, text: str, act: Act, *, about: str = ""
+    menu: QtWidgets.QWidget, name: str, text: str, act: Act, *, about: str = ""
 ) -> QtGui.QAction:
+    """An entry of a menu, or of a widget whose actions are its menu."""
     action = menu.addAction(text.replace("&", "&&"))
     action.setObjectName(name)
     if about:
@@ -242,17 +239,13 @@ class FlowLayout(QtWidgets.QLayout):
         width = sum(item.sizeHint().width() for item in shown)
         width += self._across * max(0, len(shown) - 1)
         height = max((item.sizeHint().height() for item in shown), default=0)
-        return self._with_margins(QSize(width, height))
+        return QSize(width, height).grownBy(self.contentsMargins())
 
     def minimumSize(self) -> QSize:
         size = QSize()
         for item in self._items:
             size = size.expandedTo(item.minimumSize())
-        return self._with_margins(size)
-
-    def _with_margins(self, size: QSize) -> QSize:
-        margins = self.contentsMargins()
-        return size + QSize(margins.left() + margins.right(), margins.top() + margins.bottom())
+        return size.grownBy(self.contentsMargins())
 
     def _place(self, rect: QRect, *, really: bool) -> int:
         margins = self.contentsMargins()
@@ -283,7 +276,7 @@ class PageTabs(QtWidgets.QWidget):
         flow = FlowLayout(self, across=2, down=2)
         flow.setContentsMargins(0, 4, 0, 0)
         for number, page in enumerate(pages):
-            button = labelled(Toggle(self), f"page.{page}")
+            button = labelled(Toggle(self, checkable=True), f"page.{page}")
             button.setText(page)
             button.setAccessibleName(f"page {page}")
             button.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
@@ -339,11 +332,7 @@ class ElidedLabel(QtWidgets.QLabel):
             self.setToolTip(about or line)
 
     def sizeHint(self) -> QSize:
-        margins = self.contentsMargins()
-        return QSize(
-            self._width + margins.left() + margins.right(),
-            self.fontMetrics().height() + margins.top() + margins.bottom(),
-        )
+        return QSize(self._width, self.fontMetrics().height()).grownBy(self.contentsMargins())
 
     def minimumSizeHint(self) -> QSize:
         hint = self.sizeHint()

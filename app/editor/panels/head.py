@@ -3,7 +3,7 @@
 from collections.abc import Callable
 
 from PySide6.QtCore import QEvent, QObject, QRect, Qt, QTimer, Signal
-from PySide6.QtGui import QAction, QGuiApplication, QPainter, QPaintEvent
+from PySide6.QtGui import QGuiApplication, QPainter, QPaintEvent
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QToolButton, QVBoxLayout, QWidget
 
 from app.editor import widgets
@@ -71,13 +71,6 @@ class TitleBar(QWidget):
         button.setToolTip(tip(tooltip or about))
         self.row.addWidget(button)
         return button
-
-    def offer(self, name: str, text: str, act: Callable[[], object]) -> None:
-        """Have an entry in the menu of the right button, or of the menu key."""
-        action = QAction(text, self)
-        action.setObjectName(name)
-        action.triggered.connect(lambda *_: act())
-        self.addAction(action)
 
     def _fold(self, on: bool) -> None:
         self.fold.setArrowType(Qt.ArrowType.RightArrow if on else Qt.ArrowType.DownArrow)

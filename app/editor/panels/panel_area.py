@@ -350,8 +350,9 @@ class NodePanel(QtWidgets.QFrame):
         head.output.clicked.connect(self._mark_output)
         head.generate.clicked.connect(lambda *_: area.generate_wanted.emit())
         head.more.linkActivated.connect(lambda _: area.handbook_wanted.emit(self.node))
-        head.bar.offer("copy_values", "Copy values", partial(self._with_values, copy_values))
-        head.bar.offer("paste_values", "Paste values", partial(self._with_values, paste_values))
+        copying, pasting = (partial(self._with_values, act) for act in (copy_values, paste_values))
+        widgets.offer(head.bar, "copy_values", "Copy values", copying)
+        widgets.offer(head.bar, "paste_values", "Paste values", pasting)
 
     def follow(self, before: Network | None, after: Network) -> None:
         if before is None or before.nodes.get(self.node) is not after.nodes[self.node]:
