@@ -11,24 +11,16 @@ from app.editor.docks.tradeoff_view import TradeOffView
 from app.editor.messages import SaveDialog, show_beside, told
 from app.editor.session import Session
 from app.editor.viewers.picture.image_viewer import ImageViewer
-from app.editor.viewers.plot import plot_export, plot_viewer
+from app.editor.viewers.plot.plot_viewer import PlotViewer
 from app.editor.widgets import CopiedTable, filled, labelled, search_field
 from app.editor.window.actions import ACTIONS, Actions
 from app.editor.window.viewer_docks import ViewerDocks
 from app.run.terminal import command, version
 from core.errors import in_line
-from nodes.files.file_format import CSV, dialog_filter
-from nodes.files.formats import WRITTEN
 
-Exported = ImageViewer | plot_viewer.PlotViewer | TradeOffView
+Exported = ImageViewer | PlotViewer | TradeOffView
 _MACROS = "network_files"  # the handbook's page on them
 _CLOSING_MS = 3_000
-_PICTURES = ";;".join(
-    (
-        dialog_filter("Pictures", *(one for one in WRITTEN if not one.plain)),
-        dialog_filter("Samples", *(one for one in WRITTEN if one.plain), CSV),
-    )
-)
 
 
 class Help(QObject):
@@ -100,16 +92,14 @@ class Help(QObject):
         others: tuple[Exported, ...] = (viewers.plot, viewers.tradeoff, *viewers.images.values())
         used = (one for one in others if focus is not None and one.isAncestorOf(focus))
         viewer = next(used, viewers.images[1])
-        kinds = _PICTURES if isinstance(viewer, ImageViewer) else plot_export.KINDS
-        taken = partial(self._export_to, viewer)
-        show_beside(self._window, SaveDialog(self._window, "export_dialog", "Export", kinds, taken))
+        name, taken = "export_dialog", partial(self._export_to, viewer)
+        show_beside(
+            self._window, SaveDialog(self._window, name, "Export", viewer.export_kinds, taken)
+        )
 
     def _export_to(self, viewer: Exported, path: Path) -> None:
         with told(self._session.message.emit, "not exported: "):
-            if isinstance(viewer, ImageViewer):
-                viewer.save_as(path)
-            else:
-                viewer.export(path)
+            viewer.export(path)
             self._session.message.emit("note", f"wrote {path}")
 
 

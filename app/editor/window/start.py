@@ -203,7 +203,7 @@ def settle(window: MainWindow) -> None:
 def _picture(window: MainWindow, size: tuple[int, int]) -> QtGui.QImage:
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "picture.png"
-        window.viewers.images[1].save_as(file)
+        window.viewers.images[1].export(file)
         picture = QtGui.QImage(str(file))
     if picture.width() > size[0] or picture.height() > size[1]:
         smooth = QtCore.Qt.TransformationMode.SmoothTransformation

@@ -26,13 +26,19 @@ from core.chain.wires import Image
 from core.errors import UsageError
 from core.network.network import Network
 from core.records import dataclass, replace
-from nodes.files.file_format import suffixes
-from nodes.files.formats import PNG, SAVED
+from nodes.files.file_format import CSV, dialog_filter, suffixes
+from nodes.files.formats import PNG, SAVED, WRITTEN
 
 Way = Literal["flip", "wipe"]
 PAUSE_MS = 30
 """While the cursor moves, the spectrum under it is taken at most so often."""
 _SPECTRA = 20  # lines of text that picture and spectra need together
+KINDS = ";;".join(
+    (
+        dialog_filter("Pictures", *(one for one in WRITTEN if not one.plain)),
+        dialog_filter("Samples", *(one for one in WRITTEN if one.plain), CSV),
+    )
+)
 HINT = "Choose a wire above, or select a node and press this viewer's number"
 
 
@@ -49,6 +55,8 @@ class KeptSide:
 
 class ImageViewer(Viewer):
     """Shows one wire, or two compared, or one as it is beside what was kept of it."""
+
+    export_kinds = KINDS
 
     def __init__(self, session: Session, evaluator: Evaluator, number: int) -> None:
         super().__init__(session, evaluator, f"image_viewer.{number}")
@@ -131,7 +139,7 @@ class ImageViewer(Viewer):
         self.canvas.one_to_one()
         self._apply_zoom()
 
-    def save_as(self, path: Path) -> None:
+    def export(self, path: Path) -> None:
         """Write the picture as it looks (``.png``), or its samples (``.npy .csv .tif .exr``)."""
         if self.picture is None:
             raise UsageError("the viewer shows no picture")

@@ -16,7 +16,7 @@ from app.editor.evaluation.queries import Answer, Query
 from app.editor.session import Session
 from app.editor.viewers import viewer
 from app.editor.viewers.plot.plot_canvas import PlotCanvas
-from app.editor.viewers.plot.plot_export import Data, csv_text, plot_menu, save_plot
+from app.editor.viewers.plot.plot_export import KINDS, Data, csv_text, plot_menu, save_plot
 from app.editor.viewers.plot.plot_looks import CurveList
 from app.editor.viewers.plot.plotted_lines import (
     CurvesQuery,
@@ -44,6 +44,7 @@ class PlotViewer(viewer.Viewer):
     """Plots the chain, or curves or the table of a port, of the selected node unless pinned."""
 
     room = 80, 20
+    export_kinds = KINDS
 
     def __init__(self, session: Session, evaluator: Evaluator) -> None:
         super().__init__(session, evaluator, "plot_viewer")
@@ -323,10 +324,9 @@ class FigureTable(widgets.CopiedTable):
         head = self.horizontalHeader()
         head.setSectionResizeMode(QtWidgets.QHeaderView.ResizeMode.ResizeToContents)
         head.setStretchLastSection(True)
-        copy = QtGui.QAction("&Copy", self)
+        copy = self.addAction("&Copy")
         copy.setObjectName("figures.copy")
         copy.triggered.connect(self.copy)
-        self.addAction(copy)
         self.setContextMenuPolicy(Qt.ContextMenuPolicy.ActionsContextMenu)
         self._figures: tuple[TableRow, ...] = ()
 

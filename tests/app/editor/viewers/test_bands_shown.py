@@ -126,13 +126,13 @@ def test_colours_are_chosen_drawn_and_saved(viewer, bench, cube, tmp_path):
     assert [each.currentIndex() for each in bar.colours] == [10, 6, 2]
     viewer.canvas.grab()
     truth = viewer.picture.grey
-    viewer.save_as(tmp_path / "colours.png")
+    viewer.export(tmp_path / "colours.png")
     for drawn in (viewer.canvas.first.qimage, QImage(str(tmp_path / "colours.png"))):
         for row, column in ((0, 0), (SIZE[0] - 1, SIZE[1] - 1), (5, 17)):
             colour = drawn.pixelColor(column, row)
             assert (colour.red(), colour.green(), colour.blue()) == tuple(truth[row, column])
     with pytest.raises(UsageError, match="three bands shown as colours can only be saved as"):
-        viewer.save_as(tmp_path / "colours.npy")
+        viewer.export(tmp_path / "colours.npy")
 
 
 def test_spectra_of_the_mean_and_of_the_probed_sample(viewer, bench, qtbot, cube):

@@ -273,11 +273,11 @@ def test_profile_means_and_spectrum(bench, viewer):
 def test_samples_are_written_in_full_and_a_picture_as_it_looks(bench, viewer, tmp_path):
     for suffix in (".npy", ".exr"):
         path = tmp_path / f"out{suffix}"
-        viewer.save_as(path)
+        viewer.export(path)
         assert (read_pixels(path) == bench.value(FINAL)).all()
     viewer.bar.colours.chosen.emit("viridis")
     viewer.canvas.grab()
-    viewer.save_as(tmp_path / "look.png")
+    viewer.export(tmp_path / "look.png")
     written = QImage(str(tmp_path / "look.png")).convertToFormat(QImage.Format.Format_RGB888)
     rows, columns = viewer.picture.grey.shape
     assert (written.height(), written.width()) == (rows, columns)

@@ -46,7 +46,7 @@ def wiped(person, a, now, folder):
     assert image.pixelColor(columns - 1, rows // 2).red() == now[rows // 2, -1]
     middle = [image.pixelColor(columns // 2 + k, rows // 2) for k in (-1, 0)]
     assert theme_of(canvas).accent in middle  # the file says that it has two sides
-    viewer.save_as(folder / "now.npy")
+    viewer.export(folder / "now.npy")
     assert (np.load(folder / "now.npy") == viewer.picture.samples).all()
     # The divider is dragged, and both sides are read.
     hand = PictureHand(viewer)
@@ -99,7 +99,7 @@ def test_k_flips_and_w_wipes_a_snapshot_and_the_picture_of_now(person, tmp_path)
     assert (viewer.picture.other.grey == a).all()
     canvas.zoom_by(1 / 1.5)
     assert abs(person.drawn_at(*spot) - int(a[spot])) <= 25
-    viewer.save_as(tmp_path / "kept.npy")
+    viewer.export(tmp_path / "kept.npy")
     assert (np.load(tmp_path / "kept.npy") == before).all()
     person.key(KEY.Key_K)
     assert not names[0].isVisible()
