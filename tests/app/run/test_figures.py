@@ -8,7 +8,12 @@ import re
 import numpy as np
 import pytest
 
+from app.run.evaluation import sensor_node
 from command_line import run_here
+from core.chain.engine import Engine
+from core.records import replace
+from linked_network import linked_network
+from nodes.library import standard_library
 
 
 @pytest.fixture(scope="module")
@@ -81,3 +86,49 @@ def test_the_mtf_is_the_product_at_the_pixels_nyquist_frequency(works, write, sm
     ]
     assert mtf["values"] == pytest.approx(exact, rel=1e-12)
     assert mtf["caption"] == f"MTF at the pixels' Nyquist ({places[0]:.4g} cyc/mrad)"
+
+
+SENSORS = {
+    "scene": ("test_scene", {"width": 8, "height": 8}),
+    "camera": ("camera", {"pitch_um": 15, "focal_length_mm": 50, "f_number": 4}),
+    "init": ("init_trans", {}),
+    "one": ("focal_plane", {}),
+    "two": ("focal_plane", {}),
+    "pixels": ("combine_pixels", {}),
+    "dual": ("dual_gain", {"switch_level": 1.0}),
+}
+WIRES = [("scene.image", "camera.image"), ("camera.image", "init.image")]
+WIRES += [("camera.image", f"{name}.image") for name in ("one", "two")]
+WIRES += [("init.context", f"{name}.context") for name in ("one", "two")]
+TO_DUAL = {"one": [("one.image", "dual.low"), ("two.image", "dual.high")],
+           "two": [("one.image", "dual.high"), ("two.image", "dual.low")]}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("left_out", "wires", "marked", "preferred", "expected"),
+    [
+        (("one", "two", "pixels", "dual"), [], None, None, None),
+        (("one", "two", "pixels", "dual"), [], None, "camera", None),
+        (("two", "pixels", "dual"), [], None, None, "one"),
+        (("pixels", "dual"), [], None, None, None),  # both could be meant
+        (("pixels", "dual"), [], None, "two", "two"),
+        (("pixels", "dual"), [], None, "camera", None),
+        (("pixels", "dual"), [], "one.image", None, "one"),
+        (("pixels", "dual"), [], "two.image", None, "two"),
+        (("dual",), [("one.image", "pixels.image")], "pixels.image", None, "one"),
+        (("dual",), [("two.image", "pixels.image")], "pixels.image", "one", "one"),
+        (("dual",), [("two.image", "pixels.image")], "camera.image", None, "two"),  # the last one
+        (("pixels",), TO_DUAL["one"], None, None, "two"),
+        (("pixels",), TO_DUAL["two"], None, None, "one"),
+        (("pixels",), TO_DUAL["two"], None, "two", "one"),  # of the low gain there are none
+    ],
+)
+def test_the_figures_are_those_of_the_sensor_before_the_output(
+    left_out, wires, marked, preferred, expected
+):
+    nodes = {name: node for name, node in SENSORS.items() if name not in left_out}
+    gone = {f"{name}.image" for name in left_out}
+    links = [link for link in WIRES if link[1].partition(".")[0] not in left_out]
+    network = linked_network(nodes, [link for link in links + wires if link[0] not in gone])
+    network = replace(network, extra={"final": marked} if marked else {})
+    assert sensor_node(Engine(standard_library()).plan(network), preferred) == expected
