@@ -10,6 +10,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMenu
 
 from app.editor.session import FreeNumber
+from app.fit.fit_result import FittedParameter
 from core.editing.operations import rename_node, set_parameter
 from edge_truth import HEADER, blur_network, gaussian_edge
 from window_hands import choose_file
@@ -179,3 +180,35 @@ def test_what_is_not_determined_is_not_taken_and_faults_are_one_line(fitting, fi
     for button in (view.file, view.fit, view.stop, view.taking, view.remove):
         assert button.toolTip()
         assert button.accessibleName()
+
+
+def test_the_table_writes_what_is_free_its_limits_and_what_was_fitted(fitting):
+    table, session = fitting.fitting.table, fitting.session
+    session.make_free(FreeNumber("blur", "sigma_x_mrad", 0.01, None))
+    session.make_free(FreeNumber("blur", "sigma_y_mrad", None, 0.3))
+    session.make_free(FreeNumber("init", "range_m"))
+
+    def cells(row):
+        return [table.item(row, column).text() for column in range(1, table.columnCount())]
+
+    assert [cells(row) for row in range(3)] == [
+        ["0.05", "", "", "mrad", "0.01", ""],
+        ["0.08", "", "", "mrad", "", "0.3"],
+        ["", "", "", "m", "", ""],
+    ]
+    table.show_fitted((
+        FittedParameter("blur.sigma_x_mrad", "mrad", 0.0812345678, 0.001234, 0.08),
+        FittedParameter("blur.sigma_y_mrad", "mrad", None, None, 0.08),
+        FittedParameter("init.range_m", "m", 1234.5678, None, 1234.0),
+    ))  # fmt: skip
+    assert [cells(row)[1:3] for row in range(3)] == [
+        ["0.0812346", "0.0012"], ["not determined", ""], ["1234.57", ""],
+    ]  # fmt: skip
+    left = Qt.AlignmentFlag.AlignRight
+    aligned = [bool(table.item(0, column).textAlignment() & left) for column in range(7)]
+    assert aligned == [False, True, True, True, False, True, True]
+    editable = [bool(table.item(0, column).flags() & Qt.ItemFlag.ItemIsEditable)
+                for column in range(7)]  # fmt: skip
+    assert editable == [False] * 5 + [True] * 2
+    table.show_fitted(())
+    assert [cells(row)[1:3] for row in range(3)] == [["", ""]] * 3
