@@ -135,3 +135,17 @@ def test_what_a_camera_refuses():
         assert str(caught.value).startswith(message)
         assert "\n" not in str(caught.value)
     np.testing.assert_array_equal(camera(good), ran(chain, good))
+
+
+@pytest.mark.parametrize(
+    ("usable", "fits"), [(None, True), (4 * 32 * 48, True), (4 * 32 * 48 - 1, False)]
+)
+def test_a_picture_in_single_precision_fits_into_memory_or_is_refused(monkeypatch, usable, fits):
+    """None: of some systems no limit is known."""
+    monkeypatch.setattr("imagechain.building.camera.usable_bytes", lambda: usable)
+    chain = ic.open("kodak_kir310")
+    if fits:
+        assert chain.camera((32, 48)) is not None
+    else:
+        with pytest.raises(ic.UsageError, match=r"size = \(32, 48\): the pictures are too large"):
+            chain.camera((32, 48))
