@@ -69,7 +69,7 @@ class PlannedNode:
             return ()
         known = {**self.inputs, "outputs": self.result, "given": frozenset(self.node.params)}
         results = []
-        for check, needs in self.declaration.warnings:
+        for check, _, needs in self.declaration.warnings:
             bound = partial(getattr(self.module, check), *(known[name] for name in needs))
             results.append(checked(bound, node=self.node.id, check=check))
         if not type(self.module).counts_bands:

@@ -114,7 +114,7 @@ class Readout:
 class Declaration:
     """All that is known of a module without running it.
 
-    `warnings` are the names of the methods that warn, each with what it needs.
+    `warnings` are the names of the methods that warn, each with its meaning and what it needs.
     """
 
     key: str
@@ -129,7 +129,7 @@ class Declaration:
     sink: bool
     panel: tuple[Section, ...]
     readouts: tuple[Readout, ...] = ()
-    warnings: tuple[tuple[str, tuple[str, ...]], ...] = ()
+    warnings: tuple[tuple[str, str, tuple[str, ...]], ...] = ()
     replaces: tuple[str, ...] = ()
     formulas: tuple[Formula, ...] = ()
     without_formula: str = ""
@@ -250,7 +250,8 @@ def declaration(module: type[Module]) -> Declaration:
 def _derive(module: Any) -> Declaration:
     text = inspect.cleandoc(module.__doc__ or "")
     parameters = _parameters(module)
-    warnings = {name: needs for name, _, _, needs in _marked(module, "is_warning")}
+    marked = _marked(module, "is_warning")
+    warnings = {name: (name, meaning, needs) for name, _, meaning, needs in marked}
     try:
         panel = complete(module.panel, [parameter.name for parameter in parameters])
     except TypeError as error:
@@ -263,7 +264,7 @@ def _derive(module: Any) -> Declaration:
         outputs=_outputs(module),
         parameters=parameters,
         readouts=_readouts(module),
-        warnings=tuple(warnings.items()),
+        warnings=tuple(warnings.values()),
         panel=panel,
         **{name: getattr(module, name) for name in (*own, "formulas", "without_formula")},
     )

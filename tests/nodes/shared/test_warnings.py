@@ -281,7 +281,7 @@ def test_declared_as_contracted(key):
     described = declaration(LIBRARY[key])
     inputs = {port.name for port in described.inputs}
     taken = {each.name for each in (*described.parameters, *described.readouts)}
-    for check in described.warnings:
-        assert check.meaning.endswith("."), check
-        assert {*check.needs} <= inputs | {"outputs", "given"}, check
-        assert check.name not in taken
+    for name, meaning, needs in described.warnings:
+        assert meaning.endswith("."), name
+        assert {*needs} <= inputs | {"outputs", "given"}, name
+        assert name not in taken
