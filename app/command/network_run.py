@@ -8,7 +8,7 @@ from typing import Any, Self
 
 from app.run import evaluation as run
 from app.run import option_values, overrides, saving
-from app.run.staging import Staging, WriteRules, existing_folder
+from app.run.staging import Staging, WriteRules, existing_folder, input_paths
 from app.run.terminal import columns, json_text, warning_lines
 from app.run.transfer_chain import find_output, how_to_choose, mtf_csv
 from core.atomic import write_bytes, write_text
@@ -216,16 +216,8 @@ class NetworkRun:
 
 
 def input_files(plan: Plan) -> list[Path]:
-    """Files that the network reads: no output may take their place."""
-    files = []
-    for node in plan.nodes.values():
-        if node.module is None or node.declaration.sink:
-            continue
-        for parameter in node.declaration.parameters:
-            value = getattr(node.module, parameter.name)
-            if parameter.kind == "path" and value is not None:
-                files.append(plan.folder / value)
-    return files
+    nodes = [node for node in plan.nodes.values() if node.module is not None]
+    return [path for n in nodes for path in input_paths(n.node, n.declaration, plan.folder)]
 
 
 @dataclass(frozen=True)

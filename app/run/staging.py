@@ -17,6 +17,8 @@ from app.run.shipped import Place
 from app.user_folders import FOLDERS
 from core import atomic
 from core.errors import FileError, ImagechainError, UsageError, placed, shown, writing
+from core.modules.declaration import Declaration
+from core.network.network import Node
 from core.records import dataclass, field
 from nodes.files.file_format import ZARR
 from nodes.files.zarr_array import is_store
@@ -159,6 +161,13 @@ class Staging:
             if lock is not None:
                 self._locks.append(lock)
         return self._places[folder]
+
+
+def input_paths(node: Node, declared: Declaration, folder: Path) -> list[Path]:
+    """Files that a node reads: no output may take their place."""
+    names = [one.name for one in declared.parameters if one.kind == "path" and not declared.sink]
+    values = [node.params.get(name) for name in names]
+    return [folder / value for value in values if isinstance(value, str) and value]
 
 
 def existing_folder(folder: Path) -> Path:

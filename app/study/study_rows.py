@@ -17,7 +17,7 @@ from typing import Any, NamedTuple, Self
 import numpy as np
 
 from app.run import option_values, overrides, saving, terminal, transfer_chain
-from app.run.staging import Staging, check_folder
+from app.run.staging import Staging, check_folder, input_paths
 from app.tradeoff.tradeoff_results import Figure, PointEvaluator, nodes_after
 from core import errors
 from core.atomic import atomic_file, is_held, take, write_bytes, write_text
@@ -209,20 +209,12 @@ def network_key(network: Network, setting: Setting, library: Library) -> str:
     nodes = network.nodes.values()
 
     def key(node: Node) -> str:
-        stamps = tuple(map(file_stamp, input_paths(node, library, setting.folder)))
+        declared = declaration(library[node.module])
+        stamps = tuple(map(file_stamp, input_paths(node, declared, setting.folder)))
         what = node.id, node.module, node.params, node.disabled, node.noise, node.final
         return content_key(*what, stamps)
 
     return content_key(study, *map(key, nodes))
-
-
-def input_paths(node: Node, library: Library, folder: Path) -> list[Path]:
-    module = library.get(node.module)
-    if module is None or declaration(module).sink:
-        return []
-    paths = (one.name for one in declaration(module).parameters if one.kind == "path")
-    values = [node.params.get(name) for name in paths]
-    return [folder / value for value in values if isinstance(value, str) and value]
 
 
 def file_stamp(file: Path) -> tuple[int, int] | None:
@@ -484,7 +476,8 @@ class Study:
     @property
     def inputs(self) -> list[Path]:
         nodes, folder = self.setting.network.nodes.values(), self.setting.folder
-        own = [file for node in nodes for file in input_paths(node, self.library, folder)]
+        declared = [(node, declaration(self.library[node.module])) for node in nodes]
+        own = [file for each in declared for file in input_paths(*each, folder)]
         return [*own, *(Path(v) for axis in self.axes for v in axis.values if v in axis.names)]
 
     @cached_property
