@@ -5,31 +5,25 @@ Modules of another installed package are under the name of that package:
 """
 
 from collections.abc import Callable
+from functools import cache
+from types import ModuleType
 
 from core.modules.declaration import local_key, package_of
 from imagechain.parts.module_part import Part, module_function
 from nodes.library import standard_library
 
 
-class PackageModules:
+def _package(name: str, keys: list[str]) -> ModuleType:
     """The modules of an installed package, by name."""
-
-    def __init__(self, package: str) -> None:
-        self._package = package
-
-    def __getattr__(self, name: str) -> Callable[..., Part]:
-        function = module_function(f"{self._package}.{name}")
-        vars(self)[name] = function
-        return function
-
-    def __dir__(self) -> list[str]:
-        names = (key for key in standard_library() if package_of(key) == self._package)
-        return sorted(map(local_key, names))
+    made = ModuleType(f"{__name__}.{name}")
+    function = cache(lambda module: module_function(f"{name}.{module}"))
+    vars(made).update(__getattr__=function, __dir__=lambda: sorted(map(local_key, keys)))
+    return made
 
 
-def __getattr__(name: str) -> Callable[..., Part] | PackageModules:
-    is_package = any(package_of(key) == name for key in standard_library())
-    named = PackageModules(name) if is_package else module_function(name)
+def __getattr__(name: str) -> Callable[..., Part] | ModuleType:
+    keys = [key for key in standard_library() if package_of(key) == name]
+    named = _package(name, keys) if keys else module_function(name)
     globals()[name] = named
     return named
 

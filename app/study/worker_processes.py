@@ -140,6 +140,7 @@ def process_rows(
 class _Processes:
     most_ends = 3  # of workers within a point, before it is the point's own fault
     why = f"the process computing this point stopped {most_ends} times"
+    has_ended, rows = staticmethod(Future.done), staticmethod(Future.result)
 
     def __init__(self, first: bytes, count: int) -> None:
         self.lanes = count  # how many stretches the points are parted into
@@ -153,13 +154,6 @@ class _Processes:
     def submit(self, lane: int, batch: list[Task]) -> Future[list[Row]]:
         """A future of the rows of the batch's first points."""
         return self._threads.submit(self._processes[lane].rows, batch)
-
-    def has_ended(self, future: Any) -> bool:
-        return bool(future.done())
-
-    def rows(self, future: Any) -> list[Row]:
-        rows: list[Row] = future.result()
-        return rows
 
     def end(self) -> None:
         """Let all of them end in order, where they still listen, and start none again."""
