@@ -8,7 +8,9 @@ from pathlib import Path
 import pytest
 
 from child_process import ROOT, finished
-from qt_packages import QT
+from source_imports import QT, package
+
+DRAWING = {"matplotlib", "rich", "OpenImageIO", "PIL"}
 
 
 def loaded_by(words: list[str], folder: Path, ends: int = 0) -> set[str]:
@@ -29,29 +31,23 @@ def loaded_by(words: list[str], folder: Path, ends: int = 0) -> set[str]:
     [("--help", 0), ("networks", 0), ("solve --help", 0), ("run --saev=a", 2), ("run nosuch", 2)],
 )
 def test_help_lists_and_slips_load_no_numbers(words, ends, tmp_path):
-    packages = {name.split(".")[0] for name in loaded_by(words.split(), tmp_path, ends)}
+    packages = set(map(package, loaded_by(words.split(), tmp_path, ends)))
     assert not packages & (QT | {"numpy", "scipy"})
 
 
 def test_run_loads_neither_qt_nor_what_only_reports_need(tmp_path):
-    loaded = loaded_by(["run", "first_steps"], tmp_path)
-    packages = {name.split(".")[0] for name in loaded}
-    assert not packages & QT
-    assert not packages & {"matplotlib", "rich", "OpenImageIO", "PIL", "tifffile", "zarr"}
-    assert "scipy" not in packages
+    packages = set(map(package, loaded_by(["run", "first_steps"], tmp_path)))
+    assert not packages & (QT | DRAWING | {"tifffile", "zarr", "scipy"})
 
 
-def test_a_trade_off_loads_neither_qt_nor_what_only_pictures_need(tmp_path):
-    words = ["tradeoff", "first_steps", "--vary", "blur.sigma_x_mrad=0,1", "--output", "a.csv"]
-    packages = {name.split(".")[0] for name in loaded_by(words, tmp_path)}
-    assert not packages & (QT | {"matplotlib", "rich", "OpenImageIO", "PIL"})
-
-
-def test_a_study_loads_neither_qt_nor_what_only_pictures_need(tmp_path):
-    words = ["study", "first_steps", "--vary", "blur.sigma_x_mrad=0,1", "--output", "a.csv"]
-    packages = {name.split(".")[0] for name in loaded_by([*words, "--jobs", "1"], tmp_path)}
-    assert not packages & (QT | {"matplotlib", "rich", "OpenImageIO", "PIL"})
-    assert not packages & {"dask", "distributed", "pandas", "pyarrow", "xarray", "zarr"}
+@pytest.mark.parametrize("command", ["tradeoff", "study"])
+def test_studies_load_neither_qt_nor_what_only_pictures_need(command, tmp_path):
+    words = [command, "first_steps", "--vary", "blur.sigma_x_mrad=0,1", "--output", "a.csv"]
+    words += ["--jobs", "1"] if command == "study" else []
+    packages = set(map(package, loaded_by(words, tmp_path)))
+    assert not packages & (QT | DRAWING)
+    if command == "study":
+        assert not packages & {"dask", "distributed", "pandas", "pyarrow", "xarray", "zarr"}
 
 
 def test_report_draws_without_a_display(tmp_path):
@@ -59,7 +55,7 @@ def test_report_draws_without_a_display(tmp_path):
     loaded = loaded_by(words, tmp_path)
     assert "matplotlib" in loaded
     assert "matplotlib.pyplot" not in loaded
-    assert not {name.split(".")[0] for name in loaded} & QT
+    assert not set(map(package, loaded)) & QT
 
 
 def test_the_window_loads_neither_matplotlib_nor_signal(tmp_path):

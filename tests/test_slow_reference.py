@@ -3,7 +3,6 @@
 Its formulas stand beside the engine's in random networks, and the engine's beside mpmath elsewhere.
 """
 
-import ast
 import sys
 from pathlib import Path
 
@@ -12,25 +11,16 @@ import pytest
 
 import slow_reference
 from slow_reference.filtering import filtered, filtered_lines
+from source_imports import imports, package
 
 FILES = sorted(Path(slow_reference.__file__).parent.rglob("*.py"))
-
-
-def imported(path: Path) -> set[str]:
-    found = set()
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-        if isinstance(node, ast.Import):
-            found |= {alias.name.split(".")[0] for alias in node.names}
-        elif isinstance(node, ast.ImportFrom):
-            assert node.level == 0
-            found.add(str(node.module).split(".")[0])
-    return found
 
 
 def test_it_imports_numpy_and_itself_alone():
     assert len(FILES) > 5
     for path in FILES:
-        assert imported(path) <= {"numpy", "slow_reference"} | set(sys.stdlib_module_names), path
+        allowed = {"numpy", "slow_reference"} | set(sys.stdlib_module_names)
+        assert set(map(package, imports(path))) <= allowed, path
         text = path.read_text(encoding="utf-8")
         assert "__import__" not in text, path
         assert "importlib" not in text, path
