@@ -14,7 +14,7 @@ from core.modules.parameters import Param
 from engine_bench import Bench
 
 
-class SceneOutputs(NamedTuple):
+class ImageOutputs(NamedTuple):
     image: Image
 
 
@@ -28,7 +28,7 @@ class Scene(Module, key="scene_maker", title="Scene", group="Input", replaces=("
     spots: Annotated[tuple[float, ...], Param("positions", unit="mrad")] = ()
     path: Annotated[Path | None, Param("an own picture")] = None
 
-    def run(self, here: NodeContext) -> SceneOutputs:
+    def run(self, here: NodeContext) -> ImageOutputs:
         raise NotImplementedError
 
 
@@ -81,14 +81,10 @@ class Noise(Module, key="noise", title="Noise", group="Noise"):
         raise NotImplementedError
 
 
-class BackOutputs(NamedTuple):
-    image: Image
-
-
 class Back(Module, key="back", title="Back Transform", group="Transform"):
     """To the image."""
 
-    def run(self, magnitude: Magnitude, phase: Phase) -> BackOutputs:
+    def run(self, magnitude: Magnitude, phase: Phase) -> ImageOutputs:
         raise NotImplementedError
 
 

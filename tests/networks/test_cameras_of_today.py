@@ -8,13 +8,9 @@ import numpy as np
 import pytest
 from scipy import constants
 
-from app.run.shipped import shipped_networks
 from command_line import run_here
-from core.chain.engine import Engine
-from core.evaluation.work import Policy
-from core.network.file import load_network
 from core.physics.atmosphere.air_path import luminous_efficiency, standard_sun_irradiance
-from nodes.library import standard_library
+from node_bench import shipped_bench
 
 MWIR = {"pitch": 15e-6, "fill": 0.95**2, "f_number": 4, "transmission": 0.765, "efficiency": 0.7}
 BAND_UM = 3.7, 4.8
@@ -54,21 +50,13 @@ def netd(integration_s, kelvin, read_e=400.0, well_e=7e6, bits=14):
     return math.sqrt(electrons + read_e**2 + rounding**2) / slope
 
 
-def opened(name):
-    library = standard_library()
-    engine = Engine(library)
-    path = shipped_networks()[name]
-    plan = engine.plan(load_network(path, library=library), folder=path.parent)
-    return engine, plan, engine.work(Policy("double"))
-
-
 def test_the_netd_of_the_cooled_camera_is_that_of_its_electrons():
-    engine, plan, work = opened("mwir_camera")
-    found = engine.readouts(plan, "focal_plane", work)
-    table = work.value(plan.output("focal_plane.table").recipe).as_dict()
+    bench = shipped_bench("mwir_camera")
+    found = bench.readouts("focal_plane")
+    table = bench.value("focal_plane.table").as_dict()
     assert found["netd_K"] == pytest.approx(netd(0.004, table["scene_K"]), rel=1e-6)
     assert 0.046 < found["netd_K"] < 0.051  # as the data sheet says
-    merit = engine.readouts(plan, "merit", work)
+    merit = bench.readouts("merit")
     assert merit["netd_K"] == pytest.approx(found["netd_K"], rel=1e-3)
 
 
@@ -78,8 +66,7 @@ def test_solve_gives_the_integration_time_of_a_netd(tmp_path):
     assert (done.returncode, done.stderr) == (0, "")
     value = next(line for line in done.stdout.splitlines() if "integration_time_s" in line)
     found = float(next(word for word in value.replace("=", " ").split() if _is_number(word)))
-    _, plan, work = opened("mwir_camera")
-    kelvin = work.value(plan.output("focal_plane.table").recipe).as_dict()["scene_K"]
+    kelvin = shipped_bench("mwir_camera").value("focal_plane.table").as_dict()["scene_K"]
     low, high = 0.004, 0.1
     for _ in range(60):
         middle = (low + high) / 2
@@ -155,20 +142,22 @@ def test_the_satellite_is_compared_by_the_figures_of_emva_1288(shipped_report):
 @pytest.mark.parametrize("name", ["visible_camera", "swir_camera"])
 def test_a_camera_in_lux_counts_the_photons_that_its_surfaces_reflect(name):
     """Each band's mean reflectance, lit by the Sun scaled to lux: summed up on a fine grid."""
-    engine, plan, work = opened(name)
-    assert engine.warnings(plan, work) == []
-    params = {node: plan.network.nodes[node].params for node in ("light", "camera", "focal_plane")}
+    bench = shipped_bench(name)
+    assert bench.warnings() == []
+    params = {
+        node: bench.plan.network.nodes[node].params for node in ("light", "camera", "focal_plane")
+    }
     plane, camera = params["focal_plane"], params["camera"]
     eye = np.linspace(0.38, 0.78, 8001)
     seen = 683 * np.trapezoid(luminous_efficiency(eye) * standard_sun_irradiance(eye), eye)
-    bands = plan.output("scene.image").bands
+    bands = bench.port("scene.image").bands
     per_photon = (
         plane["integration_time_s"] * plane["optics_transmission"]
         * (camera["pitch_um"] * 1e-6) ** 2 * math.pi / (4 * camera["f_number"] ** 2 + 1)
     )  # fmt: skip
     electrons = 0.0
     for share, centre, width in zip(
-        work.value(bands.means()), bands.centres_um, bands.widths_um, strict=True
+        bench.work.value(bands.means()), bands.centres_um, bands.widths_um, strict=True
     ):
         um = np.linspace(centre - width / 2, centre + width / 2, 4001)
         light = params["light"]["illuminance_lux"] / seen * standard_sun_irradiance(um).mean()
@@ -177,7 +166,7 @@ def test_a_camera_in_lux_counts_the_photons_that_its_surfaces_reflect(name):
             efficiency = np.interp(um, [0.9, 1.5, 1.6, 1.7], [0.85, 0.85, 0.65, 0.0]).mean()
         photon_J = constants.h * constants.c / (centre * 1e-6)
         electrons += share * light / math.pi * width * efficiency / photon_J
-    found = engine.readouts(plan, "focal_plane", work)
+    found = bench.readouts("focal_plane")
     assert found["signal_e"] == pytest.approx(per_photon * electrons, rel=1e-3)
     dark = plane.get("dark_current_e_per_s", 0.0) * plane["integration_time_s"]
     rounding = plane["full_well_e"] / (2 ** plane["bits"] - 1) / math.sqrt(12)

@@ -8,12 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from app.run.shipped import shipped_networks
 from child_process import ROOT
-from core.chain.engine import Engine
-from core.evaluation.work import Policy
-from core.network.file import load_network
-from nodes.library import standard_library
+from node_bench import shipped_bench
 from planck_truth import band_radiance
 
 ROWS, COLUMNS, BANDS = 160, 192, 16
@@ -85,7 +81,6 @@ if __name__ == "__main__":
 FOLDER = ROOT / "networks" / "cubes"
 EDGES_UM = np.linspace(3.0, 5.0, BANDS + 1)
 PHOTON_J_UM = 6.62607015e-34 * 299792458.0 * 1e6
-DOUBLE = Policy("double", 0.0)
 
 
 @pytest.fixture(scope="module")
@@ -97,12 +92,9 @@ def stored():
 
 @pytest.fixture(scope="module")
 def network():
-    library = standard_library()
-    engine = Engine(library)
-    path = shipped_networks()["dirsig_cube"]
-    plan = engine.plan(load_network(path, library=library), folder=path.parent)
-    assert plan.errors() == []
-    return engine, plan
+    bench = shipped_bench("dirsig_cube", tolerance=0.0)
+    assert bench.plan.errors() == []
+    return bench
 
 
 def test_the_file_is_what_the_script_makes(stored):
@@ -115,8 +107,7 @@ def test_the_file_is_what_the_script_makes(stored):
 
 
 def test_the_picture_is_the_integral_of_the_cube(network, stored):
-    engine, plan = network
-    made = engine.value(plan, "scene.image", engine.work(DOUBLE))
+    made = network.value("scene.image")
     np.testing.assert_allclose(made, 0.125 * stored.sum(axis=2), rtol=1e-12)
 
 
@@ -132,8 +123,7 @@ def transmission():
 
 def test_pixels_count_the_photons_of_every_band(network, stored, transmission):
     """QE·A·Ω·t·Σ τ·(τ_air·L + (1 − τ_air)·L(293.15 K))·λ/hc: 0.5 % for where in a band light is."""
-    engine, plan = network
-    made = engine.readouts(plan, "focal_plane", engine.work(DOUBLE))
+    made = network.readouts("focal_plane")
     centres = (EDGES_UM[1:] + EDGES_UM[:-1]) / 2
     air = np.array([band_radiance(low, high, 293.15) for low, high in pairwise(EDGES_UM)])
     light = transmission * 0.125 * stored.mean(axis=(0, 1)) + (1 - transmission) * air

@@ -3,11 +3,7 @@
 import numpy as np
 import pytest
 
-from app.run.shipped import shipped_networks
-from core.chain.engine import Engine
-from core.evaluation.work import Policy
-from core.network.file import load_network
-from nodes.library import standard_library
+from node_bench import shipped_bench
 
 DIAMETER_MM, WAVELENGTH_UM, FOCAL_LENGTH_MM = 25.0, 4.25, 100.0
 RADIUS = 200  # samples of the pupil here
@@ -22,12 +18,7 @@ def wavefront(x, y):
 
 @pytest.fixture(scope="module")
 def lens():
-    library = standard_library()
-    engine = Engine(library)
-    path = shipped_networks()["measured_lens"]
-    plan = engine.plan(load_network(path, library=library), folder=path.parent)
-    assert plan.errors() == []
-    return engine, plan, engine.work(Policy())
+    return shipped_bench("measured_lens", precision="single")
 
 
 @pytest.fixture(scope="module")
@@ -42,9 +33,8 @@ def pupil():
 )
 def test_each_file_is_of_that_lens(lens, pupil, node, error):
     """Of the point's picture what 16 bits leave out, 1.3 %; else rounding and interpolation."""
-    engine, plan, work = lens
-    mtf, ptf = (engine.value(plan, f"{node}.{port}", work) for port in ("mtf", "ptf"))
-    grid = plan.output("init.context").grid
+    mtf, ptf = (lens.value(f"{node}.{port}") for port in ("mtf", "ptf"))
+    grid = lens.port("init.context").grid
     energy = np.sum(np.abs(pupil) ** 2)
     for axis in (0, 1):
         interval = grid.frequency_interval_y if axis == 0 else grid.frequency_interval_x
@@ -64,10 +54,6 @@ def test_each_file_is_of_that_lens(lens, pupil, node, error):
 
 def test_their_pictures_are_alike(lens):
     """Of 1.1 W/m²/sr: the wavefront's to 0.2 %, that of a table of two axes to 0.5 %."""
-    engine, plan, work = lens
-    found = {
-        name: engine.readouts(plan, f"{name}_beside_psf", work)["rmse"]
-        for name in ("table", "wavefront")
-    }
+    found = {name: lens.readouts(f"{name}_beside_psf")["rmse"] for name in ("table", "wavefront")}
     assert found["wavefront"] < 0.0025
     assert found["table"] < 0.006

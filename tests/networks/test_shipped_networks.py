@@ -7,25 +7,22 @@ import numpy as np
 import pytest
 
 from core.chain.engine import Engine
-from core.evaluation.work import Policy
 from core.network.file import format_network, load_network
 from core.network.validation import problems
+from node_bench import shipped_bench
 from nodes.library import standard_library
+from region_checks import image_ports
 
 FOLDER = Path(__file__).parents[2] / "networks"
 NAMES = sorted(path.stem for path in FOLDER.glob("*.json"))
 
 
 def opened(name):
-    library = standard_library()
-    engine = Engine(library)
-    network = load_network(FOLDER / f"{name}.json", library=library)
-    return engine, engine.plan(network, folder=FOLDER), engine.work(Policy())
+    return shipped_bench(name, precision="single")
 
 
 def figures(name, node):
-    engine, plan, work = opened(name)
-    return engine.readouts(plan, node, work)
+    return opened(name).readouts(node)
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -39,24 +36,18 @@ class TestEach:
         assert set(network.layout) == set(network.nodes)
 
     def test_opens_without_computing_anything(self, name):
-        engine, plan, work = opened(name)
-        assert plan.errors() == []
-        assert len(engine.store) == 0
-        assert not work.log.computed
+        bench = opened(name)
+        assert bench.plan.errors() == []
+        assert len(bench.engine.store) == 0
+        assert not bench.work.log.computed
 
     @pytest.mark.thorough(but=8)  # at a quarter of the samples all of them run in picture hashes
     def test_every_picture_is_finite(self, name):
-        engine, plan, work = opened(name)
-        ports = [
-            f"{node}.{port}"
-            for node, planned in plan.nodes.items()
-            for port, value in planned.outputs.items()
-            if value.port_type == "image"
-        ]
+        bench = opened(name)
+        ports = image_ports(bench.plan)
         assert ports
         for port in ports:
-            picture = engine.value(plan, port, work)
-            assert np.isfinite(picture).all(), port
+            assert np.isfinite(bench.value(port)).all(), port
 
 
 @pytest.mark.parametrize("name", ["inframetrics", "inframetrics_1996"])

@@ -2,7 +2,7 @@
 
 from core.network.file import format_network
 from cube_files import centres, materials_cube, write_cube
-from linked_network import in_order, linked_network
+from linked_network import linked_network
 
 BANDS = 12
 SIZE = (24, 40)
@@ -31,6 +31,6 @@ def write_cube_network(
         "back": ("back_transform", {}),
         "fpa": ("focal_plane", {**well, **(focal_plane or {})}),
     }
-    network = linked_network(nodes, in_order(nodes, library))
+    network = linked_network(nodes)
     (folder / "cube.json").write_text(format_network(network, library=library))
     return cube, wavelengths, width

@@ -3,12 +3,9 @@
 import numpy as np
 
 from analytic_stages import INTERVAL_X, INTERVAL_Y, PUPIL, SENSOR, STAGES
-from core.chain.engine import Engine
-from core.evaluation.work import Policy
-from linked_network import in_order, linked_network
-from nodes.library import standard_library
+from linked_network import linked_network
+from node_bench import NodeBench
 
-LIBRARY = standard_library()
 PRECISIONS = ["double", "single"]
 MTF_ERROR = {"double": 1e-12, "single": 2e-6}
 MEAN_ERROR = {"double": 1e-13, "single": 1e-7}
@@ -33,19 +30,16 @@ def chain_network(stages, rows, columns, edges="periodic", tail=()):
         "back": ("back_transform", {}),
         **{f"tail{number}": module for number, module in enumerate(tail)},
     }  # fmt: skip
-    return linked_network(nodes, in_order(nodes, LIBRARY)), list(nodes)[-1]
+    return linked_network(nodes), list(nodes)[-1]
 
 
 def delivered(tmp_path, picture, stages, precision, edges="periodic", tail=()):
     np.save(tmp_path / "in.npy", picture)
     document, last = chain_network(stages, *picture.shape, edges, tail)
-    engine = Engine(LIBRARY)
-    plan = engine.plan(document, folder=tmp_path)
-    assert plan.errors() == []
-    work = engine.work(Policy(precision=precision))
-    found = engine.value(plan, f"{last}.image", work)
-    assert found.dtype == work.policy.dtype
-    return found.astype(float), plan
+    bench = NodeBench(tmp_path, document, precision=precision)
+    found = bench.value(f"{last}.image")
+    assert found.dtype == bench.work.policy.dtype
+    return found.astype(float), bench.plan
 
 
 def scene(rows, columns, seed=5):

@@ -16,26 +16,24 @@ def field_bench(folder, picture, key, params, *, step_mrad=1.0, camera=None, pre
     """The module as `it` behind a picture of samples `step_mrad` apart."""
     np.save(folder / "picture.npy", picture)
     fov = fov_of(picture.shape, step_mrad)
-    nodes = {"read": ("read_image", {"path": "picture.npy", **fov}), "it": (key, params)}
-    links = [("read.image", "it.image")]
+    nodes = {"read": ("read_image", {"path": "picture.npy", **fov})}
     if camera is not None:
         nodes["camera"] = ("camera", camera)
-        links = [("read.image", "camera.image"), ("camera.image", "it.image")]
-    bench = NodeBench(LIBRARY, folder, nodes, links, precision=precision)
+    bench = NodeBench(folder, {**nodes, "it": (key, params)}, precision=precision)
     error = bench.error("it")
     if error is not None:
         raise error
     return bench
 
 
-def cube_bench(folder, key, params):
+def cube_bench(folder, key, params, *, fov_x_deg=40, fov_y_deg=30):
     """The module as `it` behind a cube of three bands; with the bands' width."""
     waves, width = centres(3, low=3.0, high=5.0)
     cube = np.random.default_rng(1).random((3, 30, 43)) + 1.0
     write_cube(folder, cube, waves, width, kind="f8", unit="W/m^2/sr/um")
-    read = {"path": "cube.img", "bands": "all", "fov_x_deg": 40, "fov_y_deg": 30}
+    read = {"path": "cube.img", "bands": "all", "fov_x_deg": fov_x_deg, "fov_y_deg": fov_y_deg}
     nodes = {"read": ("read_image", read), "it": (key, params)}
-    return NodeBench(LIBRARY, folder, nodes, [("read.image", "it.image")]), width
+    return NodeBench(folder, nodes), width
 
 
 def angles(shape, step_mrad):

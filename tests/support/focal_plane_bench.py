@@ -1,9 +1,7 @@
 """A uniform scene before a Focal Plane, as a data sheet of a cooled camera has it."""
 
 from node_bench import NodeBench
-from nodes.library import standard_library
 
-LIBRARY = standard_library()
 SENSOR = {
     "detector_x_um": 15, "detector_y_um": 15, "focal_length_mm": 100, "f_number": 4,
     "fill_x": 0.95, "fill_y": 0.95, "platform": "array",
@@ -29,7 +27,7 @@ def focal_plane_bench(
         "it": ("focal_plane", params),
         **{key: (key, {}) for key in behind},
     }
-    return NodeBench(LIBRARY, folder, nodes, precision=precision)
+    return NodeBench(folder, nodes, precision=precision)
 
 
 def cautions(bench, check):

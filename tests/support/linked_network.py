@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from core.modules.declaration import Module, declaration
+from core.modules.declaration import declaration
 from core.network.network import Link, Network, Node
 from nodes.library import standard_library
 
@@ -11,9 +11,10 @@ Nodes = Mapping[str, tuple[str, Mapping[str, Any]]]
 
 
 def linked_network(
-    nodes: Nodes, links: Iterable[tuple[str, str]] = (), *, seed: int = 0
+    nodes: Nodes, links: Iterable[tuple[str, str]] | None = None, *, seed: int = 0
 ) -> Network:
     """Nodes by name as ``(key, parameters)``, links as ``(node.output, node.input)``."""
+    links = in_order(nodes) if links is None else links  # by what each takes and gives
     return Network(
         seed=seed,
         nodes={name: Node(name, key, params) for name, (key, params) in nodes.items()},
@@ -21,9 +22,9 @@ def linked_network(
     )
 
 
-def in_order(nodes: Nodes, library: Mapping[str, type[Module]]) -> list[tuple[str, str]]:
+def in_order(nodes: Nodes) -> list[tuple[str, str]]:
     """Links of each input to the last output of its name before; of a transfer, to a magnitude."""
-    links: list[tuple[str, str]] = []
+    library, links = standard_library(), list[tuple[str, str]]()
     last: dict[str, str] = {}
     for name, (key, _) in nodes.items():
         declared = declaration(library[key])
@@ -41,6 +42,6 @@ def document_of(nodes: Nodes, **fields: Any) -> dict[str, Any]:
         name: {"module": key, **({"params": dict(params)} if params else {})}
         for name, (key, params) in nodes.items()
     }
-    links = [list(link) for link in in_order(nodes, standard_library())]
+    links = [list(link) for link in in_order(nodes)]
     head = {"format": "imagechain-network", "version": 1, **fields}
     return {**head, "nodes": written, "links": links}

@@ -12,9 +12,9 @@ from app.run.transfer_chain import find_output
 from child_process import ROOT
 from command_line import run_here
 from core.chain.engine import Engine, Plan
-from core.chain.wires import Image
 from core.network.file import load_network
 from nodes.library import standard_library
+from region_checks import image_ports
 
 PRECISIONS = ("single", "double")
 PICTURE, MTF, READOUTS = "final.npy", "mtf.csv", "readouts.json"
@@ -77,13 +77,7 @@ def run_with_reports(path: Path, folder: Path, *, precision: str) -> dict[str, n
 
     Its clock stands still, so that the reports hold the same times whenever they are made.
     """
-    ports = [
-        f"{name}.{port}"
-        for name, node in plan_of(path).nodes.items()
-        for port, value in node.outputs.items()
-        if isinstance(value, Image)
-    ]
-    files = {port: folder / f"{port}.npy" for port in ports}
+    files = {port: folder / f"{port}.npy" for port in image_ports(plan_of(path))}
     words = [f"--save={port}={file}" for port, file in files.items()]
     words += [f"--report={folder / name}" for name in REPORTS]
     with _standing_clock():

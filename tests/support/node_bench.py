@@ -1,13 +1,17 @@
-"""A network of nodes, linked in their order if not otherwise, planned and evaluated."""
+"""A network, or nodes linked in their order if not otherwise, planned and evaluated."""
 
 import numpy as np
 import pytest
 
+from app.run.shipped import shipped_networks
 from core.chain.engine import Engine
 from core.errors import ImagechainError
 from core.evaluation.work import Policy
 from core.modules.declaration import NodeContext
-from linked_network import in_order, linked_network
+from core.network.file import load_network
+from core.network.network import Network
+from linked_network import linked_network
+from nodes.library import standard_library
 
 
 def fov_of(shape, interval_mrad):
@@ -22,14 +26,21 @@ def square_detectors(pitch_um, focal_length_mm, f_number, **more):
     return {**detectors, "focal_length_mm": focal_length_mm, "f_number": f_number, **more}
 
 
-class NodeBench:
-    """What nodes of a library give and write in a folder."""
+def shipped_bench(name, **policy):
+    """A shipped network as it stands."""
+    path = shipped_networks()[name]
+    network = load_network(path, library=standard_library())
+    return NodeBench(path.parent, network, **policy)
 
-    def __init__(self, library, folder, nodes, links=None, *, precision="double", **policy):
-        links = in_order(nodes, library) if links is None else links
-        self.engine = Engine(library)
+
+class NodeBench:
+    """What nodes give and write in a folder, of the standard library if of no other."""
+
+    def __init__(self, folder, nodes, links=None, *, library=None, precision="double", **policy):
+        self.engine = Engine(library or standard_library())
         self.folder = folder
-        self.plan = self.engine.plan(linked_network(nodes, links), folder=folder)
+        network = nodes if isinstance(nodes, Network) else linked_network(nodes, links)
+        self.plan = self.engine.plan(network, folder=folder)
         self.work = self.engine.work(Policy(precision, **policy))
 
     def error(self, node):

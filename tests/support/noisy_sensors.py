@@ -7,7 +7,7 @@ import numpy as np
 
 from core.chain.engine import Engine
 from core.evaluation.work import Policy
-from linked_network import in_order, linked_network
+from linked_network import linked_network
 from nodes.library import standard_library
 
 LIBRARY = standard_library()
@@ -70,7 +70,7 @@ def noisy_sensor(folder: Path, *kinds, platform="array", edges="reflect", factor
         "electronics": ("electronics_noise", electronics),
         "out": ("interpolate", {"width": 70, "height": 77} if resize else {}),
     }
-    return Engine(LIBRARY), linked_network(nodes, in_order(nodes, LIBRARY))
+    return Engine(LIBRARY), linked_network(nodes)
 
 
 def picture_of(engine, network, folder, seed):

@@ -3,7 +3,7 @@
 from app.editor.evaluation.queries import Passing
 from core.chain.engine import Engine
 from core.evaluation.work import Policy
-from linked_network import in_order, linked_network
+from linked_network import linked_network
 from nodes.library import standard_library
 
 SCENE = {
@@ -27,7 +27,7 @@ class PictureBench:
     def __init__(self):
         library = standard_library()
         self.engine = Engine(library)
-        self.network = linked_network(NODES, in_order(NODES, library), seed=5)
+        self.network = linked_network(NODES, seed=5)
         self.plan = self.engine.plan(self.network)
 
     def changed(self, node, name, value):

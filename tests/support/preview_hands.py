@@ -10,7 +10,7 @@ from app.editor.theme import DARK
 from core.chain.engine import Engine
 from core.editing.document import Document
 from core.evaluation.work import Policy
-from core.network.network import Link, Network, Node
+from linked_network import linked_network
 from nodes.library import standard_library
 
 LIBRARY = standard_library()
@@ -27,17 +27,12 @@ INFRAMETRICS = {
 def sensor(key, params=None, *, scene=None, init=None, pupil=None, node="node"):
     """A scene of 30° and 512 samples, Init & Trans, an exit pupil, and one node behind them."""
     nodes = {
-        "scene": Node("scene", "test_scene", {"width": 512, "height": 512, **(scene or {})}),
-        "init": Node("init", "init_trans", init or {}),
-        "pupil": Node("pupil", "exit_pupil", pupil or {}),
-        node: Node(node, key, params or {}),
+        "scene": ("test_scene", {"width": 512, "height": 512, **(scene or {})}),
+        "init": ("init_trans", init or {}),
+        "pupil": ("exit_pupil", pupil or {}),
+        node: (key, params or {}),
     }
-    sources = {"image": "scene.image", "pupil": "pupil.pupil"}
-    sources |= {name: f"init.{name}" for name in ("context", "magnitude", "phase")}
-    ports = [p for p in engine().library[key].run.__annotations__ if p in sources]
-    links = [Link.between("scene.image", "init.image")]
-    links += [Link.between(sources[port], f"{node}.{port}") for port in ports]
-    return Network(nodes=nodes, links=tuple(links), seed=1)
+    return linked_network(nodes, seed=1)
 
 
 def engine():

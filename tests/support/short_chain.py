@@ -23,4 +23,4 @@ def short_chain(folder, picture, modules, *, interval_mrad=1.0, init=(), precisi
         of_picture = declaration(LIBRARY[key]).input("image")
         (pictures if of_picture else nodes)[key] = (key, params)
     nodes |= {"back": ("back_transform", {}), **pictures}
-    return NodeBench(LIBRARY, folder, nodes, precision=precision), f"{list(nodes)[-1]}.image"
+    return NodeBench(folder, nodes, precision=precision), f"{list(nodes)[-1]}.image"

@@ -9,7 +9,6 @@ from core.chain.band_stack import AttenuatedBands, few_wavelengths
 from core.evaluation.work import Policy
 from cube_files import centres, disc_otf, materials_cube, write_cube
 from node_bench import NodeBench
-from nodes.library import standard_library
 
 WAVELENGTHS, _ = centres(60)
 
@@ -88,14 +87,7 @@ def scene(request, tmp_path):
         "jitter": ("jitter_mtf", {"sigma_mrad": 0.1}),
         "back": ("back_transform", {}),
     }
-    links = [
-        ("read.image", "init.image"),
-        ("init.context", "jitter.context"),
-        ("init.magnitude", "jitter.magnitude"),
-        ("jitter.magnitude", "back.magnitude"),
-        ("init.phase", "back.phase"),
-    ]
-    return cube, NodeBench(standard_library(), tmp_path, nodes, links)
+    return cube, NodeBench(tmp_path, nodes)
 
 
 def made(bench, recipe):

@@ -25,6 +25,7 @@ from core.network.file import format_network, parse_network
 from core.network.macro import expanded, unfolded
 from core.network.network import Link, Network
 from core.network.validation import problems
+from region_checks import image_ports
 
 NOISY = ("kodak_kir310", "inframetrics", "poisson_two_panel", "noise_budget")
 SMALL = {"width": 64, "height": 64}
@@ -53,13 +54,7 @@ def picture(network, library, port):
 
 def images(network, library):
     """Ports of the network's pictures."""
-    plan = Engine(library).plan(network)
-    return [
-        f"{name}.{output}"
-        for name, node in plan.nodes.items()
-        for output, value in node.outputs.items()
-        if value.port_type == "image"
-    ]
+    return image_ports(Engine(library).plan(network))
 
 
 def grouped(network, library, names, name="camera"):

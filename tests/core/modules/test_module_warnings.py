@@ -176,7 +176,8 @@ def test_a_check_that_fails_is_a_warning_of_its_node_and_keeps_nothing_from_runn
 
 @pytest.mark.parametrize(("level", "lines"), [(10.0, []), (11.0, ["make: mean 11. Dim it"])])
 def test_a_check_of_samples_is_planned_and_made_when_asked_for(level, lines):
-    engine, network = Engine(LIBRARY), linked_network({"make": ("looking", {"level": level})})
+    engine = Engine(LIBRARY)
+    network = linked_network({"make": ("looking", {"level": level})}, [])
     found, work = engine.plan(network), engine.work(Policy())
     (pending,) = found.checks()
     assert isinstance(pending, PendingCheck)

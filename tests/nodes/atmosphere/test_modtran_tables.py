@@ -10,7 +10,6 @@ import pytest
 from core.errors import ParameterError
 from node_bench import NodeBench
 from nodes.atmosphere.atmospheric_path import table_path
-from nodes.library import standard_library
 
 R = 6378.137
 WAVELENGTH = np.linspace(0.3, 14.0, 1371)
@@ -92,7 +91,7 @@ def planned(folder, params, camera=None):
     read = {"path": "in.npy", "fov_x_deg": 1, "fov_y_deg": 1, "cut_on_um": 4, "cut_off_um": 5}
     nodes = {"read": ("read_image", read), "camera": ("camera", camera or {}),
              "air": ("atmospheric_path", {"model": "modtran_tables", **params})}  # fmt: skip
-    return NodeBench(standard_library(), folder, nodes)
+    return NodeBench(folder, nodes)
 
 
 def test_the_module_takes_the_orbit_of_the_camera(tables, tmp_path):

@@ -9,7 +9,6 @@ from core.errors import ImagechainError
 from core.evaluation.work import Policy
 from cube_files import centres, write_cube
 from node_bench import NodeBench
-from nodes.library import standard_library
 from planck_truth import band_radiance
 
 SHARES = np.array([[0.0, 0.2, 0.5], [0.7, 1.0, 0.31]])
@@ -23,7 +22,7 @@ def lit(tmp_path):
         np.save(tmp_path / "share.npy", samples)
         read = {"path": "share.npy", "unit": "1", **VISIBLE, **(read or {})}
         nodes = {"read": ("read_image", read), "light": ("reflected_light", params)}
-        return NodeBench(standard_library(), tmp_path, nodes, [("read.image", "light.image")])
+        return NodeBench(tmp_path, nodes)
 
     return made
 
@@ -92,7 +91,7 @@ def test_a_cube_of_reflectances(tmp_path):
         "read": ("read_image", {"path": "cube.img", "bands": "all"}),
         "light": ("reflected_light", {"sun_elevation_deg": 50, "bands": 9, "sun": "black_body"}),
     }
-    bench = NodeBench(standard_library(), tmp_path, nodes, [("read.image", "light.image")])
+    bench = NodeBench(tmp_path, nodes)
     assert bench.plan.errors() == []
     share = SUN_SR * math.sin(math.radians(50)) / math.pi
     light = [band_radiance(one - width / 2, one + width / 2, 5800) for one in wavelengths]

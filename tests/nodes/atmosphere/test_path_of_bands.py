@@ -9,7 +9,6 @@ from core.evaluation.work import Policy
 from cube_files import C1_UM, C2_UM, band_by_band, centres, materials_cube, write_cube
 from node_bench import NodeBench, fov_of
 from nodes.analysis.lineage import transfer_of
-from nodes.library import standard_library
 
 SIZE, COUNT, INTERVAL = (32, 40), 24, 0.035
 HAZE = {
@@ -48,7 +47,7 @@ def chain(tmp_path):
             "optics": ("diffraction_mtf", {"aperture_mm": 100.0}),
             "back": ("back_transform", {}),
         }
-        bench = NodeBench(standard_library(), tmp_path, nodes)
+        bench = NodeBench(tmp_path, nodes)
         assert bench.plan.errors() == []
         return bench, bench.engine.work(Policy("double", 0.0))
 
@@ -138,7 +137,7 @@ def test_air_blurs_each_band_at_its_own_wavelength(tmp_path, params, otf):
         "blur": ("atmosphere_mtf", params),
         "back": ("back_transform", {}),
     }
-    bench = NodeBench(standard_library(), tmp_path, nodes)
+    bench = NodeBench(tmp_path, nodes)
     assert bench.plan.errors() == []
     rho = np.hypot(
         np.arange(SIZE[1]) / (2 * SIZE[1] * INTERVAL),

@@ -11,7 +11,7 @@ from delivered_chains import PRECISIONS, SHIFT_ERROR
 from node_bench import NodeBench
 from planck_truth import band_radiance
 from reference_cases import REFERENCE
-from short_chain import LIBRARY, short_chain
+from short_chain import short_chain
 
 
 @pytest.mark.parametrize("precision", PRECISIONS)
@@ -39,7 +39,7 @@ def test_radiance_of_a_uniform_scene(tmp_path, cut_on, cut_off, temperature, pre
         "kind": "uniform", "width": 3, "height": 2, "cut_on_um": cut_on, "cut_off_um": cut_off,
         "temperature_K": temperature, "delta_K": 0.0,
     }  # fmt: skip
-    bench = NodeBench(LIBRARY, tmp_path, {"scene": ("test_scene", scene)}, precision=precision)
+    bench = NodeBench(tmp_path, {"scene": ("test_scene", scene)}, precision=precision)
     found, expected = bench.value("scene.image"), band_radiance(cut_on, cut_off, temperature)
     assert np.abs(found / expected - 1).max() <= tolerance
 

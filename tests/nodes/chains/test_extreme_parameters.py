@@ -14,7 +14,7 @@ from core.modules.declaration import declaration
 from core.modules.parameters import Parameter
 from core.network.network import Network
 from drawn_networks import ON_SPECTRUM
-from linked_network import in_order, linked_network
+from linked_network import linked_network
 from nodes.library import standard_library
 
 LIBRARY = standard_library()
@@ -122,7 +122,7 @@ def fixed_chain(key: str, values: dict[str, Any]) -> tuple[Network, str, bool]:
     named = {"init_trans": "init", "exit_pupil": "pupil", "exit_pupil_mtf": "optics"}
     if key in named:
         nodes[named[key]] = nodes.pop("it")
-    document = linked_network(nodes, in_order(nodes, LIBRARY))
+    document = linked_network(nodes)
     even = key not in ("charge_eff_phase", "exit_pupil") and values.get("model") != "line"
     keeps = (not on_picture or key == "anti_alias") and even and not values.get("apply")
     return document, "it.image" if on_picture else "back.image", keeps

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from node_bench import NodeBench
-from nodes.library import standard_library
 
 PUPIL = {"size_x": 32, "size_y": 32, "radius": 12.0, "zernike_waves": [0, 0, 0, 0.1, 0.2, 0, 0.15]}
 BAND = {"cut_on_um": 8.0, "cut_off_um": 12.0, "size_x_cm": 1.0, "size_y_cm": 1.2}
@@ -34,7 +33,7 @@ def chain(folder, stages, rows, columns):
         **{f"s{number}": stage for number, stage in enumerate(stages)},
         "back": ("back_transform", {}),
     }
-    bench = NodeBench(standard_library(), folder, nodes, tolerance=0.0)
+    bench = NodeBench(folder, nodes, tolerance=0.0)
     assert bench.plan.errors() == []
     return np.fft.fft2(bench.value("back.image")), bench.value
 

@@ -11,7 +11,6 @@ from cube_network import BANDS, write_cube_network
 from node_bench import NodeBench
 from nodes.library import standard_library
 
-LIBRARY = standard_library()
 SIZE = {"width": 48, "height": 40, "fov_x_deg": 3.0, "fov_y_deg": 2.5}
 OPTICS = {"size_x_cm": 5.12, "size_y_cm": 5.12, "cut_on_um": 9.0, "cut_off_um": 11.0}
 
@@ -34,7 +33,7 @@ def account(folder, *, optics=(), ports=("pixels.image",), times=1):
         ("optics.phase", "back.phase"), ("back.image", "pixels.image"),
         ("init.magnitude", "look.image"),
     ]  # fmt: skip
-    bench = NodeBench(LIBRARY, folder, nodes, links)
+    bench = NodeBench(folder, nodes, links)
     for _ in range(times):
         bench.work = bench.engine.work(bench.work.policy)
         for port in ports:

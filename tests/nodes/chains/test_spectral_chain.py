@@ -7,9 +7,6 @@ from core.chain.random_fields import at_frame
 from core.evaluation.work import Policy
 from cube_files import band_by_band, centres, materials_cube, write_cube
 from node_bench import NodeBench, fov_of
-from nodes.library import standard_library
-
-LIBRARY = standard_library()
 
 INTERVAL = 0.035
 BANDS = 60
@@ -42,7 +39,7 @@ def expected(cube, weights=None):
 
 
 def delivered(folder, *, policy, nodes=None, port="back.image"):
-    bench = NodeBench(LIBRARY, folder, nodes or network())
+    bench = NodeBench(folder, nodes or network())
     work = bench.engine.work(policy)
     return bench.engine.value(bench.plan, port, work), bench, work
 
@@ -110,7 +107,7 @@ def test_later_frames_of_a_moving_picture_go_through_a_second_chain(tmp_path, cu
     nodes["pixels"] = ("combine_pixels", {"factor_x": 3, "factor_y": 2})  # not a whole number
     nodes["again"] = ("init_trans", {"focal_length_mm": 100.0, "f_number": 1.0})
     nodes["end"] = ("back_transform", {})
-    bench = NodeBench(LIBRARY, tmp_path, nodes)
+    bench = NodeBench(tmp_path, nodes)
     work = bench.engine.work(Policy("double", 0.0))
     first, last = bench.port("pixels.image"), bench.port("end.image")
     assert last.bands.count == BANDS
@@ -127,7 +124,7 @@ def test_many_wavelengths_are_summed_in_several_passes(tmp_path, cube, monkeypat
     whole, *_ = delivered(tmp_path, policy=Policy("double", 0.0), nodes=nodes)
     samples = SIZE[0] * SIZE[1]
     monkeypatch.setattr("core.chain.band_stack.SAMPLES_AT_ONCE", 7 * samples)
-    bench = NodeBench(LIBRARY, tmp_path, nodes)
+    bench = NodeBench(tmp_path, nodes)
     work, sizes = bench.engine.work(Policy("double", 0.0)), []
     compute = type(work)._compute
     monkeypatch.setattr(
@@ -141,7 +138,7 @@ def test_many_wavelengths_are_summed_in_several_passes(tmp_path, cube, monkeypat
 
 @pytest.mark.parametrize("index", [0, 23, 59])
 def test_a_band_alone_is_filtered_once_at_its_own_wavelength(tmp_path, cube, index):
-    bench = NodeBench(LIBRARY, tmp_path, network())
+    bench = NodeBench(tmp_path, network())
     work = bench.engine.work(Policy("double", 1e-2))
     band = bench.port("back.image").bands.band(index)
     assert len(band.rank(work).chosen) == 1

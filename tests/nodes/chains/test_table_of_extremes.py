@@ -6,6 +6,7 @@ brings, nothing is NaN: `test_extreme_parameters` takes every parameter to the e
 `tests/core/physics` compares with 30 to 60 digits.
 """
 
+import re
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -192,10 +193,7 @@ def test_samples_that_are_no_numbers_are_counted_and_placed(tmp_path, bad, preci
     picture = drawn(5, 7)
     picture[1, 3] = picture[1, 6] = picture[4, 0] = bad
     bench, last = short_chain(tmp_path, picture, CHAIN, interval_mrad=INTERVAL, precision=precision)
-    with pytest.raises(ImagechainError, match=r"3 .*not finite.*row 1, column 3") as caught:
-        bench.value(last)
-    assert caught.value.exit_code == 2
-    assert caught.value.node == "file"
+    assert re.search(r"3 .*not finite.*row 1, column 3", bench.refusal(last, "file"))
 
 
 def test_radiance_beyond_single_precision_is_refused_there_only(tmp_path):
@@ -231,9 +229,7 @@ def test_negative_radiance_after_noise(tmp_path, precision):
     assert_near(bench.value(last), expected, precision, np.abs(fine).max())
     photons = ("poisson_noise", {"mode": "photon", "photons_per_unit": 10.0})
     bench, last = short_chain(tmp_path, picture, (noisy, photons), init=SENSOR, precision=precision)
-    with pytest.raises(ImagechainError, match="below 0") as caught:
-        bench.value(last)
-    assert caught.value.node == "poisson_noise"
+    assert "below 0" in bench.refusal(last, "poisson_noise")
     dark = {**QUIET, "background_K": None}
     bench, last = short_chain(
         tmp_path, -picture, (("electronics_noise", dark),), init=SENSOR, precision=precision

@@ -5,9 +5,6 @@ import pytest
 
 from cube_files import C1_UM, C2_UM, PHOTON_J_UM, band_by_band, centres, materials_cube, write_cube
 from node_bench import NodeBench, fov_of, square_detectors
-from nodes.library import standard_library
-
-LIBRARY = standard_library()
 
 SIZE = (32, 40)
 INTERVAL = 0.035
@@ -33,7 +30,7 @@ def bench(folder, *, plane=(), read=(), optics=True):
         "back": ("back_transform", {}),
         "plane": ("focal_plane", {**PLANE, **dict(plane)}),
     }
-    return NodeBench(LIBRARY, folder, nodes)
+    return NodeBench(folder, nodes)
 
 
 def by_hand(cube, efficiency, *, low=3.0, high=5.0, steps=20001):

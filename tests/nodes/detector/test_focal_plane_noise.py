@@ -7,9 +7,7 @@ import pytest
 from focal_plane_bench import CAMERA_SHEET, cautions, focal_plane_bench
 from node_bench import NodeBench
 from nodes.analysis.lineage import NoiseOf
-from nodes.library import standard_library
 
-LIBRARY = standard_library()
 PARAMS = {
     "integration_time_s": 0.004, "optics_transmission": 0.765, "quantum_efficiency": 0.7,
     "read_noise_e": 400, "full_well_e": 7e6, "bits": 14, "optics_K": 290, "prnu_percent": 0.1,
@@ -36,7 +34,7 @@ def bench_of(folder, params=None, *, scene=None, before=None):
         "cube": ("noise_3d", {"frames": FRAMES}),
         "merit": ("figures_of_merit", {"frame_rate_Hz": None}),
     }
-    return NodeBench(LIBRARY, folder, nodes)
+    return NodeBench(folder, nodes)
 
 
 @pytest.mark.parametrize("units", ["dn", "electrons", "radiance"])

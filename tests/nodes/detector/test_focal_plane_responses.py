@@ -9,9 +9,6 @@ import pytest
 from cube_files import C1_UM, C2_UM, PHOTON_J_UM, write_cube
 from focal_plane_bench import CAMERA_SHEET, focal_plane_bench
 from node_bench import NodeBench, square_detectors
-from nodes.library import standard_library
-
-LIBRARY = standard_library()
 
 SIZE = (6, 7)
 LOW, HIGH = 3.7, 4.8
@@ -69,7 +66,7 @@ def bench(folder, read, response, plane):
         "plane": ("focal_plane", {**PLANE, **dict(plane)}),
         "merit": ("figures_of_merit", {}),
     }
-    return NodeBench(LIBRARY, folder, nodes)
+    return NodeBench(folder, nodes)
 
 
 def cube(folder, parts, *, kelvin=300.0, width=0.01):
@@ -119,7 +116,7 @@ def test_reflected_light_behind_a_response_is_counted_by_its_source(tmp_path):
         "init": ("init_trans", LENS),
         "plane": ("focal_plane", PLANE),
     }  # fmt: skip
-    made = NodeBench(LIBRARY, tmp_path, nodes).readouts("plane")["signal_e"]
+    made = NodeBench(tmp_path, nodes).readouts("plane")["signal_e"]
     want = PER_PHOTON * 20.0 * np.mean(law * light * um) / np.mean(light) / PHOTON_J_UM
     assert made == pytest.approx(want, rel=2e-6)
 

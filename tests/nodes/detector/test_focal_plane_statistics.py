@@ -14,9 +14,7 @@ from scipy.special import ndtr
 
 from core.chain.random_fields import at_frame
 from node_bench import NodeBench
-from nodes.library import standard_library
 
-LIBRARY = standard_library()
 FRAMES, ROWS, COLUMNS = 400, 30, 40
 # camera-shared-0 of the reference: electrons of 4 ms.
 SIGNAL_E_PER_S = 453078.91635770707839 / 0.004
@@ -90,7 +88,7 @@ def bench_of(folder, camera, scene=None, *, precision="single"):
         "init": ("init_trans", INIT),
         "fpa": ("focal_plane", {**CAMERA, **camera}),
     }
-    return NodeBench(LIBRARY, folder, nodes, precision=precision)
+    return NodeBench(folder, nodes, precision=precision)
 
 
 def frames_of(bench, count, port="fpa.image"):

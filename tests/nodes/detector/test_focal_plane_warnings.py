@@ -2,7 +2,7 @@
 
 import pytest
 
-from focal_plane_bench import CAMERA_SHEET, LIBRARY, SENSOR, cautions, focal_plane_bench
+from focal_plane_bench import CAMERA_SHEET, SENSOR, cautions, focal_plane_bench
 from node_bench import NodeBench
 
 
@@ -71,7 +71,7 @@ def test_optics_of_another_band_than_the_cold_filter_are_warned_of(
         "pixels": ("sample_pixels", {}),
         "it": ("focal_plane", {**CAMERA_SHEET, **params}),
     }
-    bench = NodeBench(LIBRARY, tmp_path, nodes)
+    bench = NodeBench(tmp_path, nodes)
     found = cautions(bench, "optics")
     assert len(found) == warned
     if warned and params:

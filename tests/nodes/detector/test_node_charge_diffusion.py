@@ -4,10 +4,7 @@ import pytest
 
 from core.physics.detector.detector_mtf import diffusion_mtf
 from node_bench import NodeBench
-from nodes.library import standard_library
 from reference_cases import CAMERA, reference_cases
-
-LIBRARY = standard_library()
 
 
 def bench_of(folder, params, *, band=(0.5, 0.8), pixel_um=10.0, focal_mm=100.0):
@@ -17,7 +14,7 @@ def bench_of(folder, params, *, band=(0.5, 0.8), pixel_um=10.0, focal_mm=100.0):
             "f_number": 4, "platform": "array"}  # fmt: skip
     nodes = {"scene": ("test_scene", scene), "init": ("init_trans", init),
              "it": ("charge_diffusion_mtf", params)}  # fmt: skip
-    return NodeBench(LIBRARY, folder, nodes)
+    return NodeBench(folder, nodes)
 
 
 @pytest.mark.parametrize("case", reference_cases("diffusion_mtf", file=CAMERA)[:3])

@@ -5,10 +5,9 @@ import pytest
 
 from core.errors import ParameterError
 from core.physics.detector.detector_mtf import crosstalk_kernel, crosstalk_otf
+from linked_network import in_order
 from node_bench import NodeBench
-from nodes.library import standard_library
 
-LIBRARY = standard_library()
 SIDES = "0.01 0.03 0.01; 0.02 0.85 0.03; 0.01 0.03 0.01"
 WIDE = "0 0 .01 0 0; 0 .02 .03 .01 0; .01 .04 .75 .05 .01; 0 .01 .03 .01 0; 0 0 .02 0 0"
 
@@ -26,13 +25,10 @@ def bench_of(folder, params, *, with_phase=True, edges="periodic"):
         "it": ("crosstalk", params),
         "back": ("back_transform", {}),
     }  # fmt: skip
-    links = [("scene.image", "init.image"), ("init.context", "it.context"),
-             ("init.magnitude", "it.magnitude"), ("it.magnitude", "back.magnitude")]  # fmt: skip
-    if with_phase:
-        links += [("init.phase", "it.phase"), ("it.phase", "back.phase")]
-    else:
-        links.append(("init.phase", "back.phase"))
-    return NodeBench(LIBRARY, folder, nodes, links)
+    links = in_order(nodes)
+    if not with_phase:
+        links = [link for link in links if "it.phase" not in link] + [("init.phase", "back.phase")]
+    return NodeBench(folder, nodes, links)
 
 
 @pytest.mark.parametrize("text", [SIDES, WIDE])

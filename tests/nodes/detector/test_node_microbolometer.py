@@ -10,9 +10,7 @@ from core.chain.random_fields import at_frame
 from core.physics.radiometry.planck import band_radiance, band_radiance_derivative
 from focal_plane_bench import cautions
 from node_bench import NodeBench
-from nodes.library import standard_library
 
-LIBRARY = standard_library()
 SCENE = {"kind": "uniform", "width": 64, "height": 48, "fov_x_deg": 2.0, "fov_y_deg": 1.5,
          "temperature_K": 285.0, "cut_on_um": 8.0, "cut_off_um": 14.0}  # fmt: skip
 INIT = {"detector_x_um": 17, "detector_y_um": 17, "focal_length_mm": 25, "f_number": 1.4,
@@ -30,7 +28,7 @@ def bench_of(folder, params, *, scene=None, init=None, before=None, nuc=None):
         **({} if nuc is None else {"nuc": ("nuc", nuc)}),
         "cube": ("noise_3d", {"frames": FRAMES}),
     }
-    return NodeBench(LIBRARY, folder, nodes)
+    return NodeBench(folder, nodes)
 
 
 def slope(kelvin):

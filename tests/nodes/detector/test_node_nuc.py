@@ -7,9 +7,7 @@ import pytest
 
 from core.chain.random_fields import at_frame
 from node_bench import NodeBench
-from nodes.library import standard_library
 
-LIBRARY = standard_library()
 FPA = {
     "integration_time_s": 0.002, "prnu_percent": 2.0, "dsnu_e": 40000.0, "units": "electrons",
     "full_well_e": 1e8,
@@ -30,7 +28,7 @@ def bench_of(folder, params, *, fpa=None, scene=None):
         "nuc": ("nuc", params),
         "cube": ("noise_3d", {"frames": FRAMES}),
     }
-    return NodeBench(LIBRARY, folder, nodes)
+    return NodeBench(folder, nodes)
 
 
 def electrons(folder, kelvin):

@@ -6,14 +6,12 @@ import pytest
 from core.chain.noise_power import NoisePower
 from core.transfer.factors import Product
 from cube_files import centres, write_cube
-from linked_network import in_order, linked_network
+from linked_network import linked_network
 from node_bench import NodeBench
 from nodes.analysis.lineage import transfer_of
-from nodes.library import standard_library
 from region_checks import assert_parts
 from short_chain import short_chain
 
-LIBRARY = standard_library()
 SIZE, INTERVAL = 160, 0.1
 ONE_SAMPLE = {"detector_x_um": 10, "detector_y_um": 10, "focal_length_mm": 100}
 CHAIN = {
@@ -74,9 +72,7 @@ def test_an_image_that_leaves_the_frame_is_warned_of(tmp_path, axis, velocity, w
 def test_regions_are_those_of_the_whole(tmp_path):
     nodes = {"scene": ("test_scene", {"width": 90, "height": 131})}
     nodes |= {key: (key, params) for key, params in CHAIN.items()}
-    assert_parts(
-        linked_network(nodes, in_order(nodes, LIBRARY)), [f"{key}.image" for key in CHAIN], tmp_path
-    )
+    assert_parts(linked_network(nodes), [f"{key}.image" for key in CHAIN], tmp_path)
 
 
 @pytest.mark.parametrize(("module", "params"), OPERATORS)
@@ -110,11 +106,11 @@ def test_each_band_is_read_alone(tmp_path, module):
     write_cube(tmp_path, cube, waves, width, kind="f8", unit="W/m^2/sr/um")
     read = {"path": "cube.img", "bands": "all", "fov_x_deg": 1, "fov_y_deg": 1}
     nodes = {"read": ("read_image", read), "it": (module, CHAIN[module])}
-    bench = NodeBench(LIBRARY, tmp_path, nodes)
+    bench = NodeBench(tmp_path, nodes)
     bands = bench.port("it.image").bands
     for number in range(3):
         alone = {**read, "bands": "one", "band": number}
-        single = NodeBench(LIBRARY, tmp_path, {**nodes, "read": ("read_image", alone)})
+        single = NodeBench(tmp_path, {**nodes, "read": ("read_image", alone)})
         band = bench.work.value(bands.band(number))
         np.testing.assert_allclose(band, single.value("it.image"), rtol=1e-6)
     means = bench.work.value(bands.means())
@@ -139,7 +135,7 @@ def test_digital_numbers_are_warned_of(tmp_path, module):
         nodes = {"file": ("read_image", {"path": "dn.npy", "unit": unit}), "it": (module, {})}
         links = [("file.image", "it.image")]
         links += [("file.image", "it.earlier")] if module == "persistence" else []
-        bench = NodeBench(standard_library(), tmp_path, nodes, links)
+        bench = NodeBench(tmp_path, nodes, links)
         return [c.check for c in bench.warnings() if c.node == "it"]
 
     assert warned("DN") == ["digits"]
@@ -181,7 +177,7 @@ def test_what_is_left_of_an_earlier_picture(tmp_path):
              ("now.image", "wrong.image"), ("small.image", "wrong.earlier"),
              ("now.image", "mixed.image"), ("kelvin.image", "mixed.earlier"),
              ("now.image", "more.image"), ("before.image", "more.earlier")]  # fmt: skip
-    bench = NodeBench(standard_library(), tmp_path, nodes, links)
+    bench = NodeBench(tmp_path, nodes, links)
     expected = bench.value("now.image") + 0.05 * np.exp(-2) * bench.value("before.image")
     np.testing.assert_allclose(bench.value("it.image"), expected, rtol=1e-14)
     assert bench.readouts("it")["lag_percent"] == pytest.approx(5 * np.exp(-2))

@@ -6,9 +6,6 @@ import pytest
 from core.errors import ParameterError
 from cube_files import C1_UM, C2_UM, centres, materials_cube, write_cube
 from node_bench import NodeBench
-from nodes.library import standard_library
-
-LIBRARY = standard_library()
 
 SIZE = (24, 20)
 FOV = {"fov_x_deg": 1.0, "fov_y_deg": 1.2}
@@ -28,7 +25,7 @@ def gaussian(um, centre, width):
 
 def bench(folder, params, *, read):
     nodes = {"read": ("read_image", {**FOV, **read}), "filter": ("spectral_response", params)}
-    return NodeBench(LIBRARY, folder, nodes, [("read.image", "filter.image")])
+    return NodeBench(folder, nodes)
 
 
 @pytest.fixture
@@ -109,7 +106,7 @@ def test_what_knows_no_bands_says_that_it_took_their_sum(tmp_path, cube):
         "kelvin": ("to_temperature", {}),
     }
     links = [("read.image", "sharpen.image"), ("read.image", "kelvin.image")]
-    plan = NodeBench(LIBRARY, tmp_path, nodes, links).plan
+    plan = NodeBench(tmp_path, nodes, links).plan
     for name in ("sharpen", "kelvin"):
         texts = [caution.message for caution in plan.nodes[name].warnings]
         assert any("this node sums the picture's 20 bands, 3 to 5 µm" in text for text in texts), (

@@ -4,9 +4,7 @@ import numpy as np
 import pytest
 
 from node_bench import NodeBench
-from nodes.library import standard_library
 
-LIBRARY = standard_library()
 SIZE, FOV = 60, 3.43774677  # degrees: 1 mrad a sample
 INIT = {"edges": "periodic", "detector_y_um": 400, "detector_x_um": 200, "focal_length_mm": 100}
 
@@ -16,7 +14,7 @@ def bench_of(folder, params, init=INIT):
              "fov_y_deg": FOV}  # fmt: skip
     nodes = {"scene": ("test_scene", scene), "init": ("init_trans", init),
              "tdi": ("tdi_mtf", params), "back": ("back_transform", {})}  # fmt: skip
-    return NodeBench(LIBRARY, folder, nodes)
+    return NodeBench(folder, nodes)
 
 
 @pytest.mark.parametrize("direction", ["y", "x"])

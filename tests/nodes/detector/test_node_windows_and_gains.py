@@ -7,11 +7,9 @@ from core.chain.noise_power import NoisePower
 from core.errors import ParameterError
 from linked_network import linked_network
 from node_bench import NodeBench
-from nodes.library import standard_library
 from region_checks import assert_parts
 from short_chain import short_chain
 
-LIBRARY = standard_library()
 ROWS, COLUMNS = 46, 60
 FOCAL = {"detector_x_um": 10, "detector_y_um": 10, "focal_length_mm": 100}
 
@@ -83,7 +81,7 @@ def dual(folder, params, **pictures):
         np.save(folder / f"{name}.npy", picture)
         nodes[name] = ("read_image", {"path": f"{name}.npy", "fov_x_deg": 1, "fov_y_deg": 1})
         links.append((f"{name}.image", f"dual.{name}"))
-    return NodeBench(LIBRARY, folder, nodes, links)
+    return NodeBench(folder, nodes, links)
 
 
 @pytest.mark.parametrize("blend", [0, 40])
@@ -134,7 +132,7 @@ def joined(folder, low, units, factor, unlinked=()):
         links += [("camera.image", f"{name}.image"), ("init.context", f"{name}.context")]
         links += [(f"{name}.image", f"dual.{name}"), (f"{name}.table", f"dual.{name}_table")]
     links = [link for link in links if link[1].partition(".")[2] not in unlinked]
-    return NodeBench(LIBRARY, folder, nodes, links)
+    return NodeBench(folder, nodes, links)
 
 
 @pytest.mark.parametrize(("low", "units", "factor", "warned"), [

@@ -4,13 +4,8 @@ import numpy as np
 import pytest
 
 from core.errors import DataError, FileError, ParameterError
-from core.evaluation.work import Policy
 from node_bench import NodeBench
-from nodes.electronics.noise_sources import NoiseFile, PeriodicNoise
-from nodes.input_output.read_image import ReadImage
-from small_library import library_of
 
-LIBRARY = library_of([ReadImage, PeriodicNoise, NoiseFile])
 FOV = {"fov_x_deg": 2.0, "fov_y_deg": 1.5}
 
 
@@ -18,17 +13,15 @@ def picture(rows=31, columns=44, seed=1):
     return np.random.default_rng(seed).uniform(20, 60, (rows, columns))
 
 
-def planned(folder, key, params, array=None, reading=FOV):
-    np.save(folder / "in.npy", picture() if array is None else array)
-    nodes = {"in": ("read_image", {"path": "in.npy", **reading}), "out": (key, params)}
-    bench = NodeBench(LIBRARY, folder, nodes)
-    return bench.engine, bench.plan
+def planned(folder, key, params):
+    np.save(folder / "in.npy", picture())
+    nodes = {"in": ("read_image", {"path": "in.npy", **FOV}), "out": (key, params)}
+    return NodeBench(folder, nodes)
 
 
-def outputs(folder, key, params, precision="double", threads=1):
-    engine, plan = planned(folder, key, params)
-    work = engine.work(Policy(precision=precision, threads=threads))
-    return engine.value(plan, "out.image", work), engine.value(plan, "out.noise", work)
+def outputs(folder, key, params):
+    bench = planned(folder, key, params)
+    return bench.value("out.image"), bench.value("out.noise")
 
 
 def test_modulation(tmp_path):
@@ -67,8 +60,7 @@ def test_noise_file_is_added_with_its_scale(tmp_path):
 )
 def test_faults_of_the_noise_file(tmp_path, params, kind, words):
     np.save(tmp_path / "small.npy", picture(31, 30))
-    _, plan = planned(tmp_path, "noise_file", params)
-    error = plan.nodes["out"].error
+    error = planned(tmp_path, "noise_file", params).error("out")
     assert isinstance(error, kind)
     assert words in str(error)
     assert error.node == "out"

@@ -8,9 +8,7 @@ from scipy import special
 
 from core.chain.random_fields import at_frame
 from node_bench import NodeBench
-from nodes.library import standard_library
 
-LIBRARY = standard_library()
 SCENE = {"kind": "uniform", "width": 96, "height": 72, "fov_x_deg": 2, "fov_y_deg": 1.5}
 SIGMAS = {
     "sigma_tvh": 0.5, "sigma_vh": 0.4, "sigma_v": 0.3, "sigma_h": 0.35, "sigma_t": 0.2,
@@ -27,7 +25,7 @@ def bench_of(folder, params, *, frames=FRAMES, behind=None):
         "cube": ("noise_3d", {"frames": frames}),
         "budget": ("noise_budget", {}),
     }
-    return NodeBench(LIBRARY, folder, nodes)
+    return NodeBench(folder, nodes)
 
 
 def frame(bench, number, port="noise.image"):
@@ -127,6 +125,6 @@ def test_faults(tmp_path, params, words):
 def test_a_single_row_is_warned_of(tmp_path):
     nodes = {"scene": ("test_scene", {**SCENE, "height": 1}),
              "noise": ("noise_3d_source", {"sigma_v": 1.0})}  # fmt: skip
-    bench = NodeBench(LIBRARY, tmp_path, nodes, [("scene.image", "noise.image")])
+    bench = NodeBench(tmp_path, nodes)
     found = [caution for caution in bench.plan.checks() if caution.node == "noise"]
     assert "sigma_v" in found[0].message

@@ -19,7 +19,6 @@ from linked_network import linked_network
 from nodes.files import arrays
 from nodes.files.formats import read_info, read_pixels
 from nodes.input_output.write_image import WriteMatrix
-from small_library import library_of
 
 
 @pytest.mark.parametrize(
@@ -231,7 +230,7 @@ class Drawn(Module, key="drawn", title="Drawn", group="Analysis"):
         return DrawnOutputs(Curve(Step.of(made, which=here.node)))
 
 
-ENGINE = Engine(library_of([Drawn, WriteMatrix]))
+ENGINE = Engine({module.key: module for module in (Drawn, WriteMatrix)})
 
 
 def rows_of(path):

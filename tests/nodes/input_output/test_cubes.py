@@ -10,7 +10,6 @@ from core.evaluation.recipes import Store
 from core.evaluation.work import Policy, Work
 from cube_files import PHOTON_J_UM, centres, materials_cube, write_cube
 from node_bench import NodeBench, square_detectors
-from nodes.library import standard_library
 
 
 class WrittenMeanwhile(Work):
@@ -32,13 +31,11 @@ class WrittenMeanwhile(Work):
 def test_what_is_read_of_a_cube_that_changes_meanwhile_is_refused(tmp_path, missing, wanted):
     path = write_cube(tmp_path, np.ones((3, 8, 9)), np.array([3.5, 4.0, 4.5]), 0.5)
     read = {"path": path.name, "bands": "all", "missing": missing}
-    there = NodeBench(standard_library(), tmp_path, {"read": ("read_image", read)}, [])
+    there = NodeBench(tmp_path, {"read": ("read_image", read)})
     image = there.port("read.image")
     with pytest.raises(FileError, match="changed since the network was planned"):
         WrittenMeanwhile(path).value(image.recipe if wanted == "picture" else image.bands.means())
 
-
-LIBRARY = standard_library()
 
 SIZE = (6, 7)
 PITCH_UM, F_NUMBER, TIME_S = 15.0, 2.0, 0.002
@@ -53,7 +50,7 @@ def bench(folder, *, read, plane=()):
         "init": ("init_trans", square_detectors(PITCH_UM, 100.0, F_NUMBER, platform="array")),
         "plane": ("focal_plane", {**counting, **dict(plane)}),
     }
-    return NodeBench(LIBRARY, folder, nodes)
+    return NodeBench(folder, nodes)
 
 
 def flat(*levels):
@@ -119,7 +116,7 @@ def reading(folder, sink, *, precision="double", read=()):
         "in": ("read_image", {"path": "cube.img", "bands": "all", "fov_x_deg": 2.0, **dict(read)}),
         "out": ("write_image", sink),
     }
-    return NodeBench(LIBRARY, folder, nodes, [("in.image", "out.image")], precision=precision)
+    return NodeBench(folder, nodes, precision=precision)
 
 
 @pytest.fixture

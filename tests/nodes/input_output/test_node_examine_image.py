@@ -7,12 +7,6 @@ from scipy.constants import c, h, k
 
 from core.errors import ParameterError
 from node_bench import NodeBench
-from nodes.input_output.examine_image import ExamineImage
-from nodes.input_output.read_image import ReadImage
-from nodes.transform.init_trans import InitTrans
-from small_library import library_of
-
-LIBRARY = library_of([ReadImage, ExamineImage, InitTrans])
 
 
 def picture(rows=6, columns=9, seed=1):
@@ -23,7 +17,7 @@ def examining(folder, array, band=None, **params):
     np.save(folder / "in.npy", array)
     extra = {} if band is None else {"cut_on_um": band[0], "cut_off_um": band[1]}
     nodes = {"in": ("read_image", {"path": "in.npy", **extra}), "out": ("examine_image", params)}
-    return NodeBench(LIBRARY, folder, nodes, [("in.image", "out.image")])
+    return NodeBench(folder, nodes)
 
 
 def test_examine_statistics_and_readouts(tmp_path):
@@ -116,7 +110,7 @@ def test_examine_magnitude_and_phase(tmp_path):
         ("init.magnitude", "mag.image"),
         ("init.phase", "pha.image"),
     ]
-    bench = NodeBench(LIBRARY, tmp_path, nodes, links)
+    bench = NodeBench(tmp_path, nodes, links)
     spectrum = np.fft.fft2(picture())
     found = bench.value("mag.table").as_dict()
     assert found["maximum"] == pytest.approx(np.abs(spectrum).max(), rel=1e-12)

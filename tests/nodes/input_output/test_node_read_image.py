@@ -8,15 +8,11 @@ import zarr
 
 from core.errors import DataError, FileError, ParameterError
 from node_bench import NodeBench
-from nodes.input_output.read_image import ReadImage
 from picture_samples import envi as write_envi
-from small_library import library_of
-
-LIBRARY = library_of([ReadImage])
 
 
 def reading(folder, precision="double", **params):
-    return NodeBench(LIBRARY, folder, {"in": ("read_image", params)}, precision=precision)
+    return NodeBench(folder, {"in": ("read_image", params)}, precision=precision)
 
 
 def picture(rows=6, columns=9, seed=1):

@@ -10,13 +10,9 @@ from core.modules.declaration import Module
 from node_bench import NodeBench
 from nodes.files.arrays import read_matrix
 from nodes.files.formats import read_info, read_pixels
-from nodes.input_output.examine_image import ExamineImage
-from nodes.input_output.read_image import ReadImage
-from nodes.input_output.write_image import WriteImage, WriteMatrix, curve_columns
+from nodes.input_output.write_image import curve_columns
+from nodes.library import standard_library
 from nodes.shared.module_ports import ImageOutput
-from small_library import library_of
-
-LIBRARY = library_of([ReadImage, WriteImage, WriteMatrix, ExamineImage])
 
 
 def with_a_hole(_work, samples):
@@ -40,7 +36,7 @@ def passing(folder, array, sink, params, precision="double"):
         "in": ("read_image", {"path": "in.npy", "fov_x_deg": 2.0, "fov_y_deg": 1.5}),
         "out": (sink, params),
     }
-    return NodeBench(LIBRARY, folder, nodes, [("in.image", "out.image")], precision=precision)
+    return NodeBench(folder, nodes, precision=precision)
 
 
 def picture(rows=6, columns=9, seed=1):
@@ -64,7 +60,7 @@ def test_written_picture_tells_what_read_image_needs(tmp_path):
     bench.write("out")
     info = read_info(tmp_path / "o.tif")
     assert (info.unit, info.fov_x_deg) == ("W/m²/sr", pytest.approx(2.0, rel=1e-14))
-    again = NodeBench(LIBRARY, tmp_path, {"in": ("read_image", {"path": "o.tif"})}).port("in.image")
+    again = NodeBench(tmp_path, {"in": ("read_image", {"path": "o.tif"})}).port("in.image")
     assert again.interval_y_mrad == pytest.approx(bench.port("in.image").interval_y_mrad)
 
 
@@ -106,7 +102,7 @@ def test_samples_that_are_not_finite_are_refused_in_every_format(tmp_path, name)
     nodes = {"in": ("read_image", {"path": "in.npy"}), "hole": ("hole", {})}
     nodes["out"] = ("write_image", {"path": name})
     links = [("in.image", "hole.image"), ("hole.image", "out.image")]
-    bench = NodeBench(library_of([*LIBRARY.values(), Hole]), tmp_path, nodes, links)
+    bench = NodeBench(tmp_path, nodes, links, library={**standard_library(), Hole.key: Hole})
     with pytest.raises(DataError, match=f"{name}: 1 sample is not finite .* row 2, column 3"):
         bench.write("out")
     assert not (tmp_path / name).exists()
@@ -128,7 +124,7 @@ def test_matrix_of_a_curve(tmp_path):
         "txt": ("write_matrix", {"path": "h.txt"}),
     }
     links = [("in.image", "look.image"), ("look.curve", "csv.image"), ("look.curve", "txt.image")]
-    bench = NodeBench(LIBRARY, tmp_path, nodes, links)
+    bench = NodeBench(tmp_path, nodes, links)
     bench.write("csv")
     bench.write("txt")
     columns = list(np.loadtxt(tmp_path / "h.csv", delimiter=",", skiprows=1).T)
@@ -168,12 +164,12 @@ def test_digital_numbers_are_written_as_they_are(tmp_path):
             "in": ("read_image", {"path": "in.npy", "unit": "DN"}),
             "out": ("write_image", {"path": name}),
         }
-        NodeBench(LIBRARY, tmp_path, nodes, [("in.image", "out.image")]).write("out")
+        NodeBench(tmp_path, nodes).write("out")
         stored = read_pixels(tmp_path / name)
         assert read_info(tmp_path / name).dtype == "uint16"
         np.testing.assert_array_equal(stored, numbers)
         again = {"in": ("read_image", {"path": name})}
-        image = NodeBench(LIBRARY, tmp_path, again).port("in.image")
+        image = NodeBench(tmp_path, again).port("in.image")
         assert image.unit == "DN"
 
 
@@ -196,7 +192,7 @@ def test_numbers_that_are_no_integers_or_given_a_range(tmp_path, params, numbers
     nodes = {
         "in": ("read_image", {"path": "in.npy", "unit": "DN"}), "out": ("write_image", params),
     }  # fmt: skip
-    NodeBench(LIBRARY, tmp_path, nodes, [("in.image", "out.image")]).write("out")
+    NodeBench(tmp_path, nodes).write("out")
     found = read_pixels(tmp_path / params["path"])
     assert read_info(tmp_path / params["path"]).dtype == np.dtype(kind).name
     np.testing.assert_array_equal(found, stored)
@@ -208,6 +204,6 @@ def test_numbers_too_large_for_the_type_are_refused(tmp_path):
         "in": ("read_image", {"path": "in.npy", "unit": "DN"}),
         "out": ("write_image", {"path": "o.png", "dtype": "uint8"}),
     }
-    bench = NodeBench(LIBRARY, tmp_path, nodes, [("in.image", "out.image")])
+    bench = NodeBench(tmp_path, nodes)
     with pytest.raises(DataError, match="sample 300 at row 0, column 1 does not fit uint8"):
         bench.write("out")

@@ -6,16 +6,13 @@ import pytest
 from core.errors import FileError, ParameterError
 from node_bench import NodeBench
 from nodes.files.formats import write_picture
-from nodes.input_output.read_image import ReadImage
 from picture_samples import envi
-from small_library import library_of
 
-LIBRARY = library_of([ReadImage])
 CUBE = np.random.default_rng(3).uniform(1, 2, (2, 3, 4))
 
 
 def reading(folder, **params):
-    return NodeBench(LIBRARY, folder, {"in": ("read_image", params)}, precision="double")
+    return NodeBench(folder, {"in": ("read_image", params)}, precision="double")
 
 
 def cube_in(folder, unit):

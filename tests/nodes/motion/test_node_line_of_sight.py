@@ -5,9 +5,7 @@ import pytest
 
 from core.chain.random_fields import at_frame
 from node_bench import NodeBench
-from nodes.library import standard_library
 
-LIBRARY = standard_library()
 SIZE, FOV = 48, 2.75019742  # degrees: 1 mrad a sample
 PARAMS = {"rms_x_mrad": 0.5, "rms_y_mrad": 0.25, "corner_Hz": 12.0, "integration_time_s": 0.02}
 
@@ -22,7 +20,7 @@ def bench_of(folder, params, *, edges="periodic", kind="siemens_star", more=None
         "back": ("back_transform", {}),
         **(more or {}),
     }
-    return NodeBench(LIBRARY, folder, nodes)
+    return NodeBench(folder, nodes)
 
 
 def frame(bench, number):

@@ -6,9 +6,6 @@ import pytest
 from core.evaluation.work import Policy
 from cube_files import C2_UM, centres, disc_otf, materials_cube, write_cube
 from node_bench import NodeBench, fov_of
-from nodes.library import standard_library
-
-LIBRARY = standard_library()
 
 INTERVAL = 0.02
 SHAPE = (16, 64)
@@ -36,21 +33,13 @@ def folder(tmp_path):
 
 def bench(folder, key, params, *, read=None, filtered=None):
     read = {"path": "flat.npy", "cut_on_um": 3.0, "cut_off_um": 5.0} if read is None else read
-    nodes = {
-        "read": ("read_image", {**fov_of(SHAPE, INTERVAL), **read}),
-        "init": ("init_trans", {"focal_length_mm": 200.0, "f_number": 2.0}),
-        "otf": (key, {**KINDS[key], **params}),
-    }
-    links = [("init.context", "otf.context"), ("init.magnitude", "otf.magnitude")]
-    if filtered is None:
-        links.append(("read.image", "init.image"))
-    else:
+    nodes = {"read": ("read_image", {**fov_of(SHAPE, INTERVAL), **read})}
+    if filtered is not None:
         nodes["filter"] = ("spectral_response", filtered)
-        links += [("read.image", "filter.image"), ("filter.image", "init.image")]
+    nodes["init"] = ("init_trans", {"focal_length_mm": 200.0, "f_number": 2.0})
     if key == "exit_pupil_mtf":
         nodes["pupil"] = ("exit_pupil", {"size_x": 128, "size_y": 128, "radius": 50})
-        links.append(("pupil.pupil", "otf.pupil"))
-    return NodeBench(LIBRARY, folder, nodes, links)
+    return NodeBench(folder, {**nodes, "otf": (key, {**KINDS[key], **params})})
 
 
 def across(there):

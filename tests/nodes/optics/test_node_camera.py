@@ -12,7 +12,6 @@ from core.modules.declaration import NodeContext
 from core.physics.sampling.ground_geometry import orbit_view
 from node_bench import NodeBench
 from nodes.atmosphere.atmosphere_mtf import AtmosphereMTF
-from nodes.library import standard_library
 from nodes.optics.camera import Camera
 
 # A cooled MWIR camera of data sheets: 640 × 512 of 15 µm, f/4, 100 mm.
@@ -34,7 +33,7 @@ def planned(tmp_path):
             "back": ("back_transform", {}),
             "pixels": ("sample_pixels", {}),
         }
-        return NodeBench(standard_library(), tmp_path, nodes, precision="single")
+        return NodeBench(tmp_path, nodes, precision="single")
 
     return plan
 

@@ -8,7 +8,6 @@ from core.errors import DataError
 from core.physics.radiometry.planck import band_radiance
 from cube_files import write_cube
 from node_bench import NodeBench, fov_of
-from nodes.library import standard_library
 from reference_cases import CAMERA, reference_cases
 
 BAND = {"cut_on_um": 3.0, "cut_off_um": 5.0}
@@ -29,7 +28,7 @@ def planned(tmp_path):
             **({"alone": ("jitter_mtf", {"apply": "filter_only"})} if chained else {}),
             "optics": ("diffraction_mtf", dict(params)),
         }
-        return NodeBench(standard_library(), tmp_path, nodes)
+        return NodeBench(tmp_path, nodes)
 
     return plan
 
@@ -141,8 +140,6 @@ def test_defocus_turns_contrast_over(planned):
     assert np.abs(found - expected).max() <= 1e-14
 
 
-LIBRARY = standard_library()
-
 SIZE = (29, 12)
 INTERVAL = 0.01
 OUTER_MM, INNER_MM = 60.0, 21.0
@@ -199,6 +196,6 @@ def test_every_band_of_reflected_light_is_blurred_at_its_own_wavelength(
         "optics": ("diffraction_mtf", {"weighting": weighting, "obscuration_ratio": 0.35}),
         "back": ("back_transform", {}),
     }
-    made = NodeBench(LIBRARY, tmp_path, nodes).value("back.image")
+    made = NodeBench(tmp_path, nodes).value("back.image")
     want = band_by_band(cube, wavelengths, width)
     assert np.abs(made - want).max() <= 1e-12 * np.abs(want).max()

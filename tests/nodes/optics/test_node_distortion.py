@@ -9,7 +9,7 @@ import pytest
 from core.chain.step_lineage import lineage_of
 from core.errors import ParameterError
 from core.physics.optics.field import Distortion, samples_at
-from field_bench import LIBRARY, angles, assert_same_in_blocks, cube_bench, field_bench
+from field_bench import angles, assert_same_in_blocks, cube_bench, field_bench
 from node_bench import NodeBench
 
 BROWN = {"k1": -0.25, "k2": 0.08, "k3": -0.01, "p1": 2e-3, "p2": -1e-3}
@@ -121,8 +121,7 @@ def test_the_scene_that_the_warning_asks_for(tmp_path):
         read = {"path": "wide.npy", "fov_x_deg": fov[0], "fov_y_deg": fov[1]}
         nodes = {"read": ("read_image", read), "camera": ("camera", camera),
                  "it": ("distortion", {"k1": -0.9, **params})}  # fmt: skip
-        links = [("read.image", "camera.image"), ("camera.image", "it.image")]
-        bench = NodeBench(LIBRARY, tmp_path, nodes, links)
+        bench = NodeBench(tmp_path, nodes)
         return bench, [c for c in bench.warnings() if c.node == "it"]
 
     lens_field = [math.degrees(2 * math.atan(n * step / 2000)) for n in size[::-1]]

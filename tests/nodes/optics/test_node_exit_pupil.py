@@ -10,7 +10,6 @@ from core.evaluation.work import Policy
 from core.physics.optics.pupil_shapes import PupilShape, sample_pupil, support_circle
 from cube_files import C2_UM, centres, disc_otf, materials_cube, write_cube
 from node_bench import NodeBench, fov_of
-from nodes.library import standard_library
 from picture_samples import fits as fits_of
 
 SIZE, RADIUS = 128, 40.0
@@ -75,7 +74,7 @@ def test_the_radius_that_was_taken_is_read_out(tmp_path, pupil, expected):
     array = np.zeros((64, 64))
     array[10, 8] = array[20, 32] = 1.0
     np.save(tmp_path / "pupil.npy", array)
-    bench = NodeBench(standard_library(), tmp_path, {"pupil": ("exit_pupil", pupil)})
+    bench = NodeBench(tmp_path, {"pupil": ("exit_pupil", pupil)})
     assert bench.plan.nodes["pupil"].declaration.readouts[0].unit == "samples"
     assert bench.readouts("pupil") == {"aperture_radius": pytest.approx(expected, abs=1e-9)}
 
@@ -85,7 +84,7 @@ def test_the_amplitude_of_a_file_is_relative_to_its_largest(tmp_path):
     array[20:30, 20:40], array[30:40, 20:40] = 0.5, 0.2
     np.save(tmp_path / "pupil.npy", array)
     pupil = {"shape": "file", "path": "pupil.npy"}
-    bench = NodeBench(standard_library(), tmp_path, {"pupil": ("exit_pupil", pupil)})
+    bench = NodeBench(tmp_path, {"pupil": ("exit_pupil", pupil)})
     np.testing.assert_allclose(np.abs(bench.value("pupil.pupil")), 2 * array, rtol=1e-12)
 
 
@@ -114,7 +113,7 @@ def planned(folder, pupil, **optics):
             },
         ),
     }
-    return NodeBench(standard_library(), folder, nodes)
+    return NodeBench(folder, nodes)
 
 
 def otf(folder, pupil, **optics):
@@ -312,8 +311,6 @@ def test_what_does_not_fit(tmp_path):
         assert words in refusal(tmp_path, pupil)
 
 
-LIBRARY = standard_library()
-
 CUBE_SIZE = (32, 40)
 INTERVAL = 0.035
 BANDS = 6
@@ -336,7 +333,7 @@ def bench(folder, *, read, pupil=(), otf=()):
         "otf": ("exit_pupil_mtf", {"size_x_cm": 12.8, "size_y_cm": 12.8, **dict(otf)}),
         "back": ("back_transform", {}),
     }
-    return NodeBench(LIBRARY, folder, nodes)
+    return NodeBench(folder, nodes)
 
 
 def delivered(there):

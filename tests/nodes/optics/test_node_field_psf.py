@@ -10,8 +10,7 @@ import scipy.ndimage
 from core.chain.step_lineage import lineage_of
 from core.errors import ParameterError
 from core.transfer.factors import factor_at
-from cube_files import centres, write_cube
-from field_bench import LIBRARY, assert_same_in_blocks, field_bench
+from field_bench import assert_same_in_blocks, cube_bench, field_bench
 from node_bench import NodeBench
 
 STEP = 0.1  # mrad
@@ -24,7 +23,7 @@ def scene(tmp_path_factory):
     """A real scene, with its roofs, windows and trees."""
     params = {"kind": "dormitory", "height": SIZE[0], "width": SIZE[1]}
     nodes = {"scene": ("test_scene", params)}
-    return NodeBench(LIBRARY, tmp_path_factory.mktemp("scene"), nodes).value("scene.image")
+    return NodeBench(tmp_path_factory.mktemp("scene"), nodes).value("scene.image")
 
 
 def place_of(row, column):
@@ -175,12 +174,7 @@ def test_lineage_bands_blocks_and_a_uniform_field(tmp_path):
     assert np.abs(single.value("it.image") - bench.value("it.image")).max() < 1e-6
     flat = field_bench(tmp_path, np.full((90, 111), 7.0), "field_psf", params, step_mrad=STEP)
     np.testing.assert_allclose(flat.value("it.image"), 7.0, rtol=1e-13)
-    waves, width = centres(3, low=3.0, high=5.0)
-    cube = np.random.default_rng(1).random((3, 30, 43)) + 1.0
-    write_cube(tmp_path, cube, waves, width, kind="f8", unit="W/m^2/sr/um")
-    read = {"path": "cube.img", "bands": "all", "fov_x_deg": 0.2, "fov_y_deg": 0.15}
-    nodes = {"read": ("read_image", read), "it": ("field_psf", params)}
-    bench = NodeBench(LIBRARY, tmp_path, nodes, [("read.image", "it.image")])
+    bench, width = cube_bench(tmp_path, "field_psf", params, fov_x_deg=0.2, fov_y_deg=0.15)
     bands = bench.port("it.image").bands
     whole = sum(width * bench.work.value(bands.band(n)) for n in range(3))
     np.testing.assert_allclose(whole, bench.value("it.image"), rtol=1e-12)

@@ -9,7 +9,7 @@ from scipy.interpolate import PchipInterpolator
 from core.chain.step_lineage import lineage_of
 from core.errors import FileError, ParameterError
 from cube_files import C1_UM, C2_UM, centres, write_cube
-from field_bench import LIBRARY, angles, assert_same_in_blocks, cube_bench, field_bench
+from field_bench import angles, assert_same_in_blocks, cube_bench, field_bench
 from node_bench import NodeBench
 from region_checks import assert_parts
 
@@ -67,7 +67,7 @@ def test_shot_noise_follows_from_the_vignetted_light(tmp_path):
              "init": ("init_trans", {"detector_x_um": 15, "detector_y_um": 15,
                                      "focal_length_mm": 7, "f_number": 4}),
              "fpa": ("focal_plane", fpa)}  # fmt: skip
-    bench = NodeBench(LIBRARY, tmp_path, nodes)
+    bench = NodeBench(tmp_path, nodes)
     made = bench.value("fpa.image")
     corner, middle = made[:64, :64], made[224:288, 224:288]
     row = np.radians(60) * (np.arange(512) - 255.5) / 512
@@ -104,7 +104,7 @@ def test_half_the_light_costs_netd_as_half_the_transmission_does(tmp_path, key, 
                  "it": ("vignetting", law), "init": ("init_trans", lens),
                  "fpa": (key, {**params, "optics_transmission": transmission}),
                  "fom": ("figures_of_merit", {})}  # fmt: skip
-        bench = NodeBench(LIBRARY, tmp_path, nodes)
+        bench = NodeBench(tmp_path, nodes)
         table = bench.value("fpa.table").as_dict()
         made.append((bench.readouts("fom")["netd_K"], table))
     (seen, vignetted), (other, dimmed) = made

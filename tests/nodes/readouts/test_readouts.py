@@ -10,10 +10,8 @@ from battery_settings import EXAMPLES, SMALL_PUPIL
 from core.chain.wires import transfer_plane
 from library_battery import DECLARED
 from node_bench import NodeBench
-from nodes.library import standard_library
 from planck_truth import band_radiance
 
-LIBRARY = standard_library()
 COLUMNS, ROWS = 24, 16
 FOV_X_DEG, FOV_Y_DEG = 2.0, 3.0
 DX = math.radians(FOV_X_DEG) * 1000 / COLUMNS  # mrad
@@ -61,7 +59,7 @@ def bench_of(folder, key, params, *, init=None, scene=None, more=()):
         **dict(more),
         "it": (key, params),
     }
-    return NodeBench(LIBRARY, folder, nodes)
+    return NodeBench(folder, nodes)
 
 
 def gaussian(sigma_mrad, frequency):
@@ -393,5 +391,5 @@ def test_nyquist_of_sampled_pixels(tmp_path):
         "scene": ("test_scene", seen),
         "pixels": ("sample_pixels", {"factor_x": 3, "factor_y": 2}),
     }
-    bench = NodeBench(LIBRARY, tmp_path, nodes, [("scene.image", "pixels.image")])
+    bench = NodeBench(tmp_path, nodes)
     assert bench.readouts("pixels") == pytest.approx({"nyquist_x": 1 / 3, "nyquist_y": 1.0})

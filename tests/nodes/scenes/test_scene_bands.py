@@ -5,12 +5,9 @@ import pytest
 
 from core.evaluation.work import Policy
 from node_bench import NodeBench
-from nodes.library import standard_library
 from nodes.scenes import draw
 from nodes.scenes.draw import KINDS, SHADED, SKY, SURFACES, materials, scene_spectra
 from planck_truth import band_radiance
-
-LIBRARY = standard_library()
 
 DOUBLE = Policy("double", 0.0)
 SIZE = {"width": 83, "height": 61}
@@ -19,7 +16,7 @@ LIGHT = {"temperature_K": 293.15, "delta_K": 6.0}
 
 def scene(folder, policy=DOUBLE, **parameters):
     values = {"cut_on_um": 3.4, "cut_off_um": 5.0, **SIZE, **LIGHT, **parameters}
-    bench = NodeBench(LIBRARY, folder, {"scene": ("test_scene", values)}, [])
+    bench = NodeBench(folder, {"scene": ("test_scene", values)}, [])
     return bench.port("scene.image"), bench.engine.work(policy)
 
 
@@ -77,7 +74,7 @@ def test_reflectances_lit_by_the_sun_are_the_scene_in_the_sun(tmp_path, kind):
         "share": ("test_scene", {**values, "quantity": "reflectance"}),
         "light": ("reflected_light", {"sun": "black_body", "sun_elevation_deg": 35.0}),
     }
-    bench = NodeBench(LIBRARY, tmp_path, nodes, [("share.image", "light.image")])
+    bench = NodeBench(tmp_path, nodes, [("share.image", "light.image")])
     assert bench.port("share.image").unit == "1"
     assert 0.0 < bench.value("share.image").min() < bench.value("share.image").max() < 1.0
     lit, sunny = bench.port("light.image"), bench.port("sunny.image")
@@ -102,7 +99,7 @@ def test_a_target_in_reflectance_is_the_black_one_between_other_levels(tmp_path,
         "share": ("test_scene", share),
         "light": ("reflected_light", {"solar_irradiance": 100.0, "sun_elevation_deg": 90.0}),
     }
-    bench = NodeBench(LIBRARY, tmp_path, nodes, [("share.image", "light.image")])
+    bench = NodeBench(tmp_path, nodes, [("share.image", "light.image")])
     cold, warm = (band_radiance(8.0, 12.0, kelvin) for kelvin in (290.0, 310.0))
     signal = (bench.value("black.image") - cold) / (warm - cold)
     want = (0.2 + 0.7 * signal) * 400.0 / np.pi
@@ -111,7 +108,7 @@ def test_a_target_in_reflectance_is_the_black_one_between_other_levels(tmp_path,
 
 def test_drawn_scenes_without_bands_have_no_reflectance(tmp_path):
     values = {"scene": ("test_scene", {"kind": "dormitory", "quantity": "reflectance"})}
-    bench = NodeBench(LIBRARY, tmp_path, values, [])
+    bench = NodeBench(tmp_path, values, [])
     assert "bands = 0 is not allowed: must be 1 or more for the dormitory" in str(
         bench.error("scene")
     )

@@ -7,7 +7,6 @@ import pytest
 from core.errors import ParameterError
 from core.evaluation.work import Policy
 from node_bench import NodeBench
-from nodes.library import standard_library
 from nodes.scenes.coverage import (
     band,
     bell,
@@ -173,7 +172,7 @@ def test_faults_name_the_parameter(tmp_path, changes, parameter):
     values = {"kind": "uniform", "width": 4, "height": 4, "temperature_K": 303.0, **changes}
 
     def drawn():
-        bench = NodeBench(standard_library(), tmp_path, {"scene": ("test_scene", values)}, [])
+        bench = NodeBench(tmp_path, {"scene": ("test_scene", values)}, [])
         return bench.engine.value(bench.plan, "scene.image", bench.engine.work(Policy("double")))
 
     with pytest.raises(ParameterError) as caught:

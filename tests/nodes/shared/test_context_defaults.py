@@ -1,21 +1,15 @@
 """What Init & Trans has to give where a module leaves it empty."""
 
-from core.chain.engine import Engine
-from core.network.network import Link, Network, Node
-from nodes.library import standard_library
+from node_bench import NodeBench
 
 
 def error_of(params, given):
     nodes = {
-        "scene": Node("scene", "test_scene"),
-        "init": Node("init", "init_trans", params=given),
-        "pixel": Node("pixel", "detector_mtf", params=params),
+        "scene": ("test_scene", {}),
+        "init": ("init_trans", given),
+        "pixel": ("detector_mtf", params),
     }
-    links = (
-        Link("scene", "image", "init", "image"),
-        *(Link("init", port, "pixel", port) for port in ("context", "magnitude")),
-    )
-    return Engine(standard_library()).plan(Network(nodes=nodes, links=links)).nodes["pixel"].error
+    return NodeBench(None, nodes).error("pixel")
 
 
 def test_all_that_is_missing_is_named_at_once():

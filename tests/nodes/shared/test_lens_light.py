@@ -3,10 +3,8 @@
 import pytest
 
 from node_bench import NodeBench
-from nodes.library import standard_library
 from reference_cases import CAMERA, reference_cases
 
-LIBRARY = standard_library()
 LENS = ("f_number", "t_number", "obscuration_ratio", "irradiance")
 SENSOR = {"pitch_um": 15.0, "focal_length_mm": 100.0, "f_number": 4.0}
 PLANE = {"integration_time_s": 0.004, "quantum_efficiency": 0.7, "bits": 0, "units": "electrons"}
@@ -32,7 +30,7 @@ def bench_of(
         "back": ("back_transform", {}),
         "it": (module, PLANE if params is None else params),
     }
-    return NodeBench(LIBRARY, folder, nodes)
+    return NodeBench(folder, nodes)
 
 
 def cautions(bench, check):

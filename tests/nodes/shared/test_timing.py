@@ -3,9 +3,7 @@
 import pytest
 
 from node_bench import NodeBench
-from nodes.library import standard_library
 
-LIBRARY = standard_library()
 SCENE = {"kind": "uniform", "width": 8, "height": 6, "fov_x_deg": 1.0, "fov_y_deg": 1.0,
          "cut_on_um": 3.7, "cut_off_um": 4.8, "temperature_K": 300.0}  # fmt: skip
 INIT = {"detector_x_um": 15, "detector_y_um": 15, "focal_length_mm": 100, "f_number": 4,
@@ -21,7 +19,7 @@ def cautions(folder, check, *, init=None, tdi=None, detector=("focal_plane", {})
         "it": (detector[0], {"optics_transmission": 0.8, **detector[1]}),
         "merit": ("figures_of_merit", merit or {}),
     }
-    bench = NodeBench(LIBRARY, folder, nodes)
+    bench = NodeBench(folder, nodes)
     assert bench.plan.errors() == []
     return [caution.message for caution in bench.warnings() if caution.check == check]
 

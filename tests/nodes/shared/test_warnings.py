@@ -255,7 +255,7 @@ def planned(tmp_path):
         }
         if seen is not None:
             nodes |= {"detector": ("detector_mtf", seen), "back": ("back_transform", {})}
-        found = NodeBench(LIBRARY, tmp_path, {**nodes, "node": (key, params)}).plan
+        found = NodeBench(tmp_path, {**nodes, "node": (key, params)}).plan
         assert found.errors() == []
         return found
 

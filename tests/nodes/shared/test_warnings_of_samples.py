@@ -8,13 +8,11 @@ from core.evaluation.recipes import Step
 from node_bench import NodeBench
 from nodes.files.formats import write_picture
 from nodes.input_output.read_image import ReadImage
-from nodes.library import standard_library
 from nodes.shared.module_ports import ImageOutput
 from nodes.transform.init_trans import InitTrans
 from picture_samples import envi
 from planck_truth import band_radiance
 
-LIBRARY = standard_library()
 INIT = {
     "detector_x_um": 20.0, "detector_y_um": 20.0, "focal_length_mm": 100.0, "f_number": 2.0,
     "scan_velocity_mrad_per_s": 900.0,
@@ -23,7 +21,7 @@ INIT = {
 
 def checks(folder, **params):
     """Warnings of a node that reads a file, its samples looked at."""
-    return cautions_of(NodeBench(LIBRARY, folder, {"read": ("read_image", params)}))
+    return cautions_of(NodeBench(folder, {"read": ("read_image", params)}))
 
 
 def cautions_of(bench):
@@ -94,7 +92,7 @@ class TestRadianceOfElectronics:
             "init": ("init_trans", INIT),
             "electronics": ("electronics_noise", own),
         }
-        return cautions_of(NodeBench(LIBRARY, folder, nodes))
+        return cautions_of(NodeBench(folder, nodes))
 
     def test_kelvin_is_more_than_the_band_gives(self, tmp_path):
         """The unit is typed, so that Read Image has nothing to say; the band is typed here."""

@@ -13,11 +13,8 @@ from analytic_stages import (
     analytic,
     expected_h,
 )
-from core.chain.engine import Engine
-from core.evaluation.work import Policy
 from delivered_chains import (
     FOLD_ERROR,
-    LIBRARY,
     MEAN_ERROR,
     MTF_ERROR,
     PRECISIONS,
@@ -28,6 +25,7 @@ from delivered_chains import (
     scene,
 )
 from linked_network import linked_network
+from node_bench import NodeBench
 
 SIZES = [(31, 17), (24, 10), (32, 32), (9, 20), (1, 16), (13, 1), (2, 2), (1, 1)]
 
@@ -151,16 +149,15 @@ def test_magnitude_of_one_and_phase_of_another(tmp_path, size, late):
     a, b = scene(*size, seed=1), scene(*size, seed=2)
     np.save(tmp_path / "a.npy", a)
     np.save(tmp_path / "b.npy", b)
-    engine = Engine(LIBRARY)
-    plan = engine.plan(two_images(size, size, late=late), folder=tmp_path)
-    found = engine.value(plan, "back.image", engine.work(Policy(precision="double")))
+    bench = NodeBench(tmp_path, two_images(size, size, late=late))
+    found = bench.value("back.image")
     h = expected_h(("blur", "late") if late else ("blur",), *size)
     spectrum = np.abs(np.fft.fft2(a)) * np.exp(1j * np.angle(np.fft.fft2(b))) * h
     expected = np.fft.ifft2(spectrum)
     assert np.abs(expected.imag).max() <= 1e-12 * np.abs(expected).max()
     assert np.abs(found - expected.real).max() <= 1e-12 * np.abs(expected).max()
     assert abs(found.mean() / a.mean() - 1) <= 1e-13
-    assert plan.nodes["back"].outputs["image"].unit == "K"  # as the levels are
+    assert bench.port("back.image").unit == "K"  # as the levels are
 
 
 def test_two_samplings_of_one_size_are_kept_apart(tmp_path):
@@ -168,10 +165,8 @@ def test_two_samplings_of_one_size_are_kept_apart(tmp_path):
     picture = scene(16, 12)
     np.save(tmp_path / "a.npy", picture)
     np.save(tmp_path / "b.npy", picture)
-    engine = Engine(LIBRARY)
-    plan = engine.plan(two_images((16, 12), (16, 12), fov_b=2.0, late=True), folder=tmp_path)
-    assert plan.errors() == []
-    found = engine.value(plan, "back.image", engine.work(Policy(precision="double")))
+    bench = NodeBench(tmp_path, two_images((16, 12), (16, 12), fov_b=2.0, late=True))
+    found = bench.value("back.image")
     # Packets are one sample apart on either: w = 2πk/N at bin k.
     h = expected_h(("blur", "late"), 16, 12)
     expected = np.fft.ifft2(np.fft.fft2(picture) * h).real
@@ -184,8 +179,6 @@ def test_filter_alone_gives_its_impulse_response(tmp_path, size):
     document, _ = chain_network(("pixel", "late"), *size)
     for name in ("pixel", "late"):
         document = document.with_parameter(name, "apply", "filter_only")
-    engine = Engine(LIBRARY)
-    plan = engine.plan(document, folder=tmp_path)
-    found = engine.value(plan, "back.image", engine.work(Policy(precision="double")))
+    found = NodeBench(tmp_path, document).value("back.image")
     assert np.abs(np.fft.fft2(found) - expected_h(("pixel", "late"), *size)).max() <= 1e-12
     assert found.sum() == pytest.approx(1, abs=1e-13)

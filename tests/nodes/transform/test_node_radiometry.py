@@ -8,7 +8,6 @@ from core.errors import DataError
 from linked_network import in_order
 from node_bench import NodeBench
 from nodes.analysis.lineage import NoiseOf, transfer_of
-from nodes.library import standard_library
 
 BAND = {"cut_on_um": 8.0, "cut_off_um": 12.0}
 FOV = {"fov_x_deg": 1.0, "fov_y_deg": 1.0}
@@ -33,13 +32,13 @@ def chain(tmp_path):
         np.save(tmp_path / "in.npy", samples)
         table = {"read": ("read_image", {"path": "in.npy", **FOV, **read})}
         table |= {f"n{number}": node for number, node in enumerate(nodes)}
-        links = in_order(table, standard_library())
+        links = in_order(table)
         if emissivity is not None:
             np.save(tmp_path / "share.npy", emissivity)
             table["share"] = ("read_image", {"path": "share.npy", "unit": "1"})
             links += [("share.image", f"n{n}.emissivity") for n in range(len(nodes))]
-        bench = NodeBench(standard_library(), tmp_path, table, links, precision=precision)
-        return bench.engine, bench.plan, bench.work, f"n{len(nodes) - 1}.image"
+        bench = NodeBench(tmp_path, table, links, precision=precision)
+        return bench, f"n{len(nodes) - 1}.image"
 
     return made
 
@@ -54,13 +53,13 @@ def chain(tmp_path):
 @pytest.mark.parametrize(("share", "around"), [(1.0, None), (0.85, 280.0), (0.6, None)])
 def test_radiance_is_plancks(chain, unit, samples, share, around):
     params = {"emissivity": share, "surroundings_K": around}
-    engine, plan, work, last = chain(samples, {"unit": unit, **BAND}, ("to_radiance", params))
-    assert plan.warnings() == []
-    image = plan.output(last)
+    bench, last = chain(samples, {"unit": unit, **BAND}, ("to_radiance", params))
+    assert bench.warnings() == []
+    image = bench.port(last)
     assert (image.unit, image.band_um) == ("W/m²/sr", (8.0, 12.0))
     reflected = 0.0 if around is None else (1 - share) * planck(around)
     expected = [[share * planck(value) + reflected for value in row] for row in KELVIN]
-    assert engine.value(plan, last, work) == pytest.approx(np.array(expected), rel=1e-12)
+    assert bench.value(last) == pytest.approx(np.array(expected), rel=1e-12)
 
 
 @pytest.mark.parametrize("precision", ["single", "double"])
@@ -68,14 +67,14 @@ def test_radiance_is_plancks(chain, unit, samples, share, around):
 def test_there_and_back(chain, precision, shares):
     """An image of emissivities counts for each sample; the two undo each other."""
     params = {"emissivity": 0.7, "surroundings_K": 240.0}
-    engine, plan, work, last = chain(
+    bench, last = chain(
         KELVIN, {"unit": "K", **BAND}, ("to_radiance", params), ("to_temperature", params),
         emissivity=shares, precision=precision,
     )  # fmt: skip
-    assert plan.errors() == []
+    assert bench.plan.errors() == []
     limit = {"double": 1e-11, "single": 2e-6}[precision]
-    assert engine.value(plan, last, work) == pytest.approx(KELVIN, rel=limit)
-    radiance = engine.value(plan, "n0.image", work)
+    assert bench.value(last) == pytest.approx(KELVIN, rel=limit)
+    radiance = bench.value("n0.image")
     share = np.full(KELVIN.shape, 0.7) if shares is None else shares
     expected = share[1, 1] * planck(400) + (1 - share[1, 1]) * planck(240)
     assert radiance[1, 1] == pytest.approx(
@@ -85,11 +84,11 @@ def test_there_and_back(chain, precision, shares):
 
 def test_radiance_in_other_units_and_a_band_typed_here(chain):
     samples = np.full((2, 2), planck(300, 3, 5) / 10)  # mW/cm²/sr is 10 W/m²/sr
-    engine, plan, work, last = chain(
+    bench, last = chain(
         samples, {"unit": "mW/cm^2/sr"}, ("to_temperature", {"cut_on_um": 3, "cut_off_um": 5})
     )
-    assert plan.errors() == []
-    assert engine.value(plan, last, work) == pytest.approx(np.full((2, 2), 300.0), rel=1e-11)
+    assert bench.plan.errors() == []
+    assert bench.value(last) == pytest.approx(np.full((2, 2), 300.0), rel=1e-11)
 
 
 @pytest.mark.parametrize(
@@ -107,8 +106,8 @@ def test_radiance_in_other_units_and_a_band_typed_here(chain):
 )
 def test_no_unit_is_taken_for_another(chain, unit, key, words):
     read = {"unit": unit} if unit else {"unit": " "}
-    _, plan, _, _ = chain(KELVIN, read, (key, {"cut_on_um": 8, "cut_off_um": 12}))
-    (error,) = plan.errors()
+    bench, _ = chain(KELVIN, read, (key, {"cut_on_um": 8, "cut_off_um": 12}))
+    (error,) = bench.plan.errors()
     assert error.node == "n0"
     for word in words:
         assert word in str(error)
@@ -127,28 +126,26 @@ def test_no_unit_is_taken_for_another(chain, unit, key, words):
     ],
 )  # fmt: skip
 def test_samples_that_mean_nothing(chain, samples, key, unit, params, shares, words):
-    engine, plan, work, last = chain(
-        samples, {"unit": unit, **BAND}, (key, params), emissivity=shares
-    )
-    assert plan.errors() == []
+    bench, last = chain(samples, {"unit": unit, **BAND}, (key, params), emissivity=shares)
+    assert bench.plan.errors() == []
     with pytest.raises(DataError if "temperature_K" not in words else Exception) as refused:
-        engine.value(plan, last, work)
+        bench.value(last)
     assert words in str(refused.value)
 
 
 def test_noise_goes_by_the_slope_at_the_mean(chain):
     """Poisson noise of 300 K's radiance in kelvin: σ over dL/dT, by a difference of integrals."""
     radiance = planck(300)
-    engine, plan, work, last = chain(
+    bench, last = chain(
         np.full((20, 30), radiance), {"unit": "W/m²/sr", **BAND},
         ("poisson_noise", {"mode": "photon", "photons_per_unit": 1e7}), ("to_temperature", {}),
     )  # fmt: skip
     slope = (planck(300.01) - planck(299.99)) / 0.02
-    found = work.value(NoiseOf(plan.output(last))).total.total
+    found = bench.work.value(NoiseOf(bench.port(last))).total.total
     near = 2e-5  # the slope is that at the mean of the noisy picture
     assert found == pytest.approx(radiance / 1e7 / slope**2, rel=near)
-    drawn = np.var(engine.value(plan, last, work).astype(float))
+    drawn = np.var(bench.value(last).astype(float))
     assert drawn == pytest.approx(found, rel=6 * np.sqrt(2 / 600))
-    passed = transfer_of(plan.output(last))
+    passed = transfer_of(bench.port(last))
     (level,) = passed.levels
-    assert work.value(level).gain == pytest.approx(1 / slope, rel=near)
+    assert bench.work.value(level).gain == pytest.approx(1 / slope, rel=near)

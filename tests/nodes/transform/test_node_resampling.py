@@ -5,13 +5,8 @@ import pytest
 
 from core.physics.sampling.detector_sampling import block_mean_mtf
 from node_bench import NodeBench
-from nodes.input_output.read_image import ReadImage
-from nodes.library import standard_library
-from nodes.transform.resampling import AntiAlias, Interpolate, lanczos_mtf
+from nodes.transform.resampling import lanczos_mtf
 from slow_reference.resampling import interpolated
-from small_library import library_of
-
-ENGINE_LIBRARY = library_of([ReadImage, AntiAlias, Interpolate])
 
 
 def picture(rows, columns, seed=1):
@@ -24,7 +19,7 @@ def through(folder, array, key, params, precision="double", threads=1):
         "in": ("read_image", {"path": "in.npy", "fov_x_deg": 2.0, "fov_y_deg": 1.5}),
         "out": (key, params),
     }
-    bench = NodeBench(ENGINE_LIBRARY, folder, nodes, precision=precision, threads=threads)
+    bench = NodeBench(folder, nodes, precision=precision, threads=threads)
     source, image = bench.port("in.image"), bench.port("out.image")
     return source, image, bench.value("out.image"), bench.readouts("out")
 
@@ -68,7 +63,7 @@ def transformed(folder, array, params, edges):
         ("init.phase", "back.phase"), ("back.image", "out.image"), ("back.image", "pairs.image"),
         ("pairs.image", "cropped.image"),
     ]  # fmt: skip
-    bench = NodeBench(standard_library(), folder, nodes, links)
+    bench = NodeBench(folder, nodes, links)
     return [bench.value(f"{name}.image") for name in ("out", "cropped")]
 
 

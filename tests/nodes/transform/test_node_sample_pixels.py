@@ -76,9 +76,7 @@ def camera_network(folder, tail, *, edges="periodic", number=63, ratio=8, fill=1
         "back": ("back_transform", {}),
         "pixels": tail,
     }  # fmt: skip
-    bench = NodeBench(LIBRARY, folder, nodes)
-    assert bench.plan.errors() == []
-    return bench.engine, bench.plan
+    return NodeBench(folder, nodes)
 
 
 def contrast(picture, number=63):
@@ -91,36 +89,34 @@ def test_a_pixel_averages_once(tmp_path, fill):
     """2/π at Nyquist for a full pixel; a mean of eight samples on top takes 0.64 of that again."""
     frequency = 63 / 128  # cycles a pixel
     detector = math.sin(math.pi * frequency * fill) / (math.pi * frequency * fill)
-    engine, plan = camera_network(tmp_path, ("sample_pixels", {}), fill=fill)
-    once = engine.value(plan, "pixels.image", engine.work(Policy(precision="double")))
+    bench = camera_network(tmp_path, ("sample_pixels", {}), fill=fill)
+    once = bench.value("pixels.image")
     assert once.shape == (3, 128)  # the pitch of Init & Trans
     assert contrast(once) == pytest.approx(detector, rel=1e-12)
     assert once.mean() == pytest.approx(40, rel=1e-13)
-    assert plan.warnings() == []
+    assert bench.plan.warnings() == []
     twice = ("combine_pixels", {"factor_x": 8})
-    engine, plan = camera_network(tmp_path, twice, fill=fill)
+    bench = camera_network(tmp_path, twice, fill=fill)
     block = math.sin(math.pi * frequency) / (8 * math.sin(math.pi * frequency / 8))
-    picture = engine.value(plan, "pixels.image", engine.work(Policy(precision="double")))
+    picture = bench.value("pixels.image")
     assert contrast(picture) == pytest.approx(detector * block, rel=1e-12)
-    (caution,) = plan.warnings()
+    (caution,) = bench.plan.warnings()
     assert caution.node == "pixels"
     for part in ("Detector MTF (detector)", "averaged twice", "0.641", "Sample Pixels"):
         assert part in str(caution)
 
 
 def test_lineage_has_the_detector_and_the_shift_alone(tmp_path):
-    engine, plan = camera_network(tmp_path, ("sample_pixels", {"offset": 0.25, "offset_y": 0}))
-    passed = transfer_of(plan.output("pixels.image"))
+    bench = camera_network(tmp_path, ("sample_pixels", {"offset": 0.25, "offset_y": 0}))
+    passed = transfer_of(bench.port("pixels.image"))
     assert [(stage.label, len(stage.factors)) for stage in passed.stages] == [
         ("Detector MTF", 1), ("Sampled pixels", 1),
     ]  # fmt: skip
     (shift,) = passed.part("ptf")
-    work = engine.work(Policy(precision="double"))
-    phase = shift.factors[0].axis(work, shift.factors[0].x, np.array([0.0, 3.0]))
+    phase = shift.factors[0].axis(bench.work, shift.factors[0].x, np.array([0.0, 3.0]))
     assert phase == pytest.approx([0.0, 2 * np.pi * 3.0 * 0.25 * 0.08], abs=1e-15)
-    made = engine.value(plan, "pixels.image", work)[0].astype(float)
-    _, still = camera_network(tmp_path, ("sample_pixels", {}))
-    fixed = engine.value(still, "pixels.image", work)[0].astype(float)
+    made = bench.value("pixels.image")[0]
+    fixed = camera_network(tmp_path, ("sample_pixels", {})).value("pixels.image")[0]
     turned = np.angle(np.fft.fft(made)[63] / np.fft.fft(fixed)[63])
     assert turned == pytest.approx(2 * np.pi * 63 / 128 * 0.25, abs=1e-12)
 
@@ -138,7 +134,7 @@ def test_noise_follows(tmp_path, edges, ratio):
         "noise": ("poisson_noise", {"mode": "photon", "photons_per_unit": 10.0}),
         "pixels": ("sample_pixels", {"factor_x": ratio, "factor_y": 1}),
     }
-    bench = NodeBench(LIBRARY, tmp_path, nodes)
+    bench = NodeBench(tmp_path, nodes)
     found = bench.work.value(NoiseOf(bench.port("pixels.image"))).total.total
     places = (np.arange(int(10 / ratio)) + 0.5) * ratio - 0.5
     variance = np.mean(bench.value("back.image")) / 10
@@ -162,7 +158,7 @@ def test_refusals(tmp_path):
     ):
         np.save(tmp_path / "in.npy", scene(8, 12))
         nodes = {"file": ("read_image", {"path": "in.npy"}), "pixels": ("sample_pixels", params)}
-        (error,) = NodeBench(LIBRARY, tmp_path, nodes).plan.errors()
+        (error,) = NodeBench(tmp_path, nodes).plan.errors()
         for word in words:
             assert word in str(error)
 
@@ -231,6 +227,6 @@ def test_a_table_may_have_been_measured_behind_the_pixels(tmp_path, column):
             "back": ("back_transform", {}),
             "pixels": ("sample_pixels", {"factor_x": 2.0, "factor_y": 2.0}),
         }  # fmt: skip
-        warned = NodeBench(LIBRARY, tmp_path, nodes).warnings()
+        warned = NodeBench(tmp_path, nodes).warnings()
         remedies += [str(one) for one in warned if one.check == "no_average"]
     assert ["includes the pixel MTF" in line for line in remedies] == [True, False]

@@ -26,7 +26,7 @@ def planned(folder, picture, engine=None, **params):
         "scene": ("read_image", {"path": "in.npy", "unit": "W/m²/sr"}),
         "camera": ("camera_geometry", params),
     }
-    network = linked_network(nodes, [("scene.image", "camera.image")])
+    network = linked_network(nodes)
     engine = engine or Engine(LIBRARY)
     return engine, engine.plan(network, folder=folder)
 
@@ -88,7 +88,7 @@ def test_the_scenes_own_sampling_at_nadir(tmp_path):
         "scene": ("test_scene", {"width": 64, "height": 48, "fov_x_deg": 8, "fov_y_deg": 5}),
         "camera": ("camera_geometry", {"fov_x_deg": 3.0}),
     }
-    plan = NodeBench(LIBRARY, tmp_path, nodes).plan
+    plan = NodeBench(tmp_path, nodes).plan
     x, y = plan.nodes["camera"].module.intervals_m(plan.output("scene.image"))
     assert x == pytest.approx(1000 * math.radians(8) / 64)
     assert y == pytest.approx(1000 * math.radians(5) / 48)

@@ -7,12 +7,11 @@ import re
 import numpy as np
 import pytest
 
-from core.chain.engine import Engine
 from core.errors import DataError, ParameterError
-from core.evaluation.work import Policy
 from core.network.network import Link, Network, Node
-from delivered_chains import LIBRARY, scene
-from linked_network import in_order, linked_network
+from delivered_chains import scene
+from linked_network import linked_network
+from node_bench import NodeBench
 
 ACROSS, ALONG = 90.0, 70.0  # mrad from sample to sample: a few of them are a wide field
 SIGMA_X, SIGMA_Y = 55.0, 80.0
@@ -125,7 +124,7 @@ def _at(laws, j, k, high, wide, steps):
     return sum(both) / len(both)
 
 
-EXACT = Policy(precision="double", tolerance=0.0)
+EXACT, SINGLE = {"precision": "double", "tolerance": 0.0}, {"precision": "single"}
 CHAINS = {
     "separable": ("blur", "pixel"),
     "phase": ("blur", "left", "late"),
@@ -150,22 +149,13 @@ def network(stages, shape, edges="reflect", init=None, **params):
             nodes[f"{stage} pupil"] = ("exit_pupil", PUPILS[stage])
         nodes[stage] = STAGES[stage]
     nodes |= {"back": ("back_transform", {}), "lines": ("line_by_line", params)}
-    return linked_network(nodes, in_order(nodes, LIBRARY))
-
-
-def planned(folder, picture, document):
-    np.save(folder / "in.npy", picture)
-    engine = Engine(LIBRARY)
-    plan = engine.plan(document, folder=folder)
-    assert plan.errors() == []
-    return engine, plan
+    return linked_network(nodes)
 
 
 def values(folder, picture, stages, ports=("image",), policy=EXACT, **settings):
-    engine, plan = planned(folder, picture, network(stages, picture.shape, **settings))
-    work = engine.work(policy)
-    return tuple(engine.value(plan, port if "." in port else f"lines.{port}", work)
-                 for port in ports)  # fmt: skip
+    np.save(folder / "in.npy", picture)
+    bench = NodeBench(folder, network(stages, picture.shape, **settings), **policy)
+    return tuple(bench.value(port if "." in port else f"lines.{port}") for port in ports)
 
 
 SIZES = [(12, 9), (11, 10), (8, 13), (1, 6), (7, 1)]
@@ -286,21 +276,18 @@ def test_single_precision_is_near_double(tmp_path, chain, method):
     picture = scene(40, 33)
     exact, single = (
         values(tmp_path, picture, CHAINS[chain], policy=policy, method=method, nodes=6)[0]
-        for policy in (EXACT, Policy())
+        for policy in (EXACT, SINGLE)
     )
     assert np.abs(single - exact).max() <= 2e-6 * exact.max()
 
 
 @pytest.mark.parametrize("method", METHODS)
 def test_the_bits_do_not_depend_on_threads(tmp_path, method):
-    picture = scene(150, 140)
-    engine, plan = planned(tmp_path, picture, network(
-        CHAINS["optics and phase"], picture.shape, method=method, init={"fov_x_deg": 90.0,
-        "fov_y_deg": 90.0},
-    ))  # fmt: skip
+    picture, wide = scene(150, 140), {"fov_x_deg": 90.0, "fov_y_deg": 90.0}
+    stages = CHAINS["optics and phase"]
     one, three = (
-        engine.value(plan, "lines.image", Engine(LIBRARY).work(Policy(threads=threads)))
-        for threads in (1, 3)
+        values(tmp_path, picture, stages, policy={**SINGLE, "threads": n}, method=method, init=wide)
+        for n in (1, 3)
     )
     np.testing.assert_array_equal(one, three)
 
@@ -369,7 +356,7 @@ class TestGeometry:
 def test_what_makes_no_scan_is_refused(tmp_path, params, init, told):
     np.save(tmp_path / "in.npy", scene(12, 9))
     document = network(("blur",), (12, 9), init=init, **params)
-    error = Engine(LIBRARY).plan(document, folder=tmp_path).nodes["lines"].error
+    error = NodeBench(tmp_path, document).error("lines")
     assert isinstance(error, ParameterError)
     assert re.search(told, str(error))
 
@@ -386,11 +373,11 @@ def test_two_images_and_no_image_are_refused(tmp_path):
     }
     links = tuple(k for k in document.links if (k.target, k.input) != ("lines", "phase"))
     links += (Link("file2", "image", "init2", "image"), Link("init2", "phase", "lines", "phase"))
-    plan = Engine(LIBRARY).plan(Network(nodes=nodes, links=links), folder=tmp_path)
-    assert isinstance(plan.nodes["lines"].error, DataError)
-    assert "Back Transform" in str(plan.nodes["lines"].error)
+    error = NodeBench(tmp_path, Network(nodes=nodes, links=links)).error("lines")
+    assert isinstance(error, DataError)
+    assert "Back Transform" in str(error)
     alone = document.with_parameter("blur", "apply", "filter_only")
-    error = Engine(LIBRARY).plan(alone, folder=tmp_path).nodes["lines"].error
+    error = NodeBench(tmp_path, alone).error("lines")
     assert isinstance(error, DataError)
     assert "multiply" in str(error)
     links = tuple(k for k in document.links if (k.target, k.input) != ("lines", "context"))
@@ -399,6 +386,6 @@ def test_two_images_and_no_image_are_refused(tmp_path):
         Link("init2", "context", "lines", "context"),
     )
     other = Network(nodes=nodes, links=links).with_parameter("init2", "fov_x_deg", 7.0)
-    error = Engine(LIBRARY).plan(other, folder=tmp_path).nodes["lines"].error
+    error = NodeBench(tmp_path, other).error("lines")
     assert isinstance(error, DataError)
     assert "context" in str(error)

@@ -16,7 +16,7 @@ from core.evaluation.work import Policy
 from node_bench import NodeBench, square_detectors
 from nodes.analysis.lineage import Line, NoiseOf, noise_free, stage_along, transfer_of
 from nodes.library import standard_library
-from noisy_sensors import LIBRARY, QUIET, noisy_sensor, picture_of
+from noisy_sensors import QUIET, noisy_sensor, picture_of
 
 SIZE = 240
 
@@ -36,7 +36,7 @@ def chain_of(folder, picture, *, order=1):
         "read": ("electronics_noise", {**QUIET, "time_constant_s": 0.03}),
         "out": ("interpolate", {"width": 200, "height": 100, "order": order}),
     }
-    bench = NodeBench(LIBRARY, folder, nodes)
+    bench = NodeBench(folder, nodes)
     assert not bench.plan.errors(), bench.plan.errors()
     return bench.port("out.image"), bench.work
 
@@ -87,7 +87,7 @@ def test_stages_and_sampling(tmp_path):
 
 def test_a_picture_without_interval_is_refused(tmp_path):
     np.save(tmp_path / "in.npy", np.ones((4, 5)))
-    bench = NodeBench(LIBRARY, tmp_path, {"in": ("read_image", {"path": "in.npy"})})
+    bench = NodeBench(tmp_path, {"in": ("read_image", {"path": "in.npy"})})
     with pytest.raises(DataError, match="sampling interval"):
         transfer_of(bench.port("in.image"))
 
@@ -112,7 +112,7 @@ def test_what_a_block_crops_moves_no_interval(tmp_path):
         "more": ("interpolate", {"width": 101}),
         "pixels": ("combine_pixels", {"factor_x": 2}),
     }
-    found = transfer_of(NodeBench(LIBRARY, tmp_path, nodes).port("pixels.image"))
+    found = transfer_of(NodeBench(tmp_path, nodes).port("pixels.image"))
     assert [stage.label for stage in found.stages] == ["Interpolation", "Combined pixels"]
     assert found.source_grid.shape == (100, 100)
     assert found.source_grid.interval_x_mrad == pytest.approx(0.5, rel=1e-12)

@@ -6,15 +6,11 @@ import warnings
 import numpy as np
 import pytest
 
-from core.chain.engine import Engine
 from core.errors import DataError, ParameterError
-from core.evaluation.work import Policy
-from linked_network import in_order, linked_network
-from node_bench import square_detectors
-from nodes.library import standard_library
+from linked_network import linked_network
+from node_bench import NodeBench, square_detectors
 from planck_truth import band_radiance
 
-LIBRARY = standard_library()
 FOV = 2.0  # degrees in 80 samples: 0.4363 mrad
 INTERVAL = math.radians(FOV) * 1000 / 80
 NYQUIST = 0.5 / INTERVAL
@@ -41,19 +37,15 @@ def sensor(merit=None, *, scene=None, init=None, noise=None, noisy=True, seed=1,
         **({"noise": ("electronics_noise", {**NOISE, **(noise or {})})} if noisy else {}),
         "merit": ("figures_of_merit", merit or {}),
     }
-    engine = Engine(LIBRARY)
-    plan = engine.plan(linked_network(nodes, in_order(nodes, LIBRARY), seed=seed))
-    return engine, plan, engine.work(Policy(precision="double"))
+    return NodeBench(None, linked_network(nodes, seed=seed))
 
 
 def table_of(*args, **kwargs):
-    engine, plan, work = sensor(*args, **kwargs)
-    return engine.value(plan, "merit.table", work).as_dict()
+    return sensor(*args, **kwargs).value("merit.table").as_dict()
 
 
 def curves_of(port, *args, **kwargs):
-    engine, plan, work = sensor(*args, **kwargs)
-    return {s.label: s for s in engine.value(plan, f"merit.{port}", work).series}
+    return {s.label: s for s in sensor(*args, **kwargs).value(f"merit.{port}").series}
 
 
 def slope(temperature_K):
@@ -75,10 +67,7 @@ def share(length, end):
 class TestNoise:
     def test_of_frames_drawn_anew(self):
         """Standard deviation of 40 frames' samples, without a fixed pattern."""
-        frames = []
-        for seed in range(40):
-            engine, plan, work = sensor(seed=seed)
-            frames.append(engine.value(plan, "noise.image", work))
+        frames = [sensor(seed=seed).value("noise.image") for seed in range(40)]
         sigma = float(np.std(np.array(frames), axis=0, ddof=1).mean())
         mean = float(np.mean(frames))
         found = table_of()
@@ -216,17 +205,16 @@ class TestAcquisition:
 
 
 def test_a_new_task_keeps_the_thresholds():
-    _, plan, _ = sensor()
-    _, other, _ = sensor({"n50_detection": 2.0, "target_size_m": 5.0})
-    before, after = plan.nodes["merit"].outputs, other.nodes["merit"].outputs
+    bench, other = sensor(), sensor({"n50_detection": 2.0, "target_size_m": 5.0})
     for port, same in (("mrtd", True), ("mdtd", True), ("probability", False), ("table", False)):
-        assert (before[port].key == after[port].key) is same
+        before, after = (one.port(f"merit.{port}") for one in (bench, other))
+        assert (before.key == after.key) is same
 
 
 def test_read_outs_are_the_tables():
-    engine, plan, work = sensor()
-    shown = engine.readouts(plan, "merit", work)
-    table = engine.value(plan, "merit.table", work).as_dict()
+    bench = sensor()
+    shown = bench.readouts("merit")
+    table = bench.value("merit.table").as_dict()
     assert shown["netd_K"] == table["netd_K"]
     assert shown["mrtd_x_K"] == table["mrtd_x_50_percent_nyquist"]
     assert shown["ttp_range_km"] == table["ttp_range_km"]
@@ -241,11 +229,11 @@ def test_read_outs_are_the_tables():
     ],
 )
 def test_refused(merit, error, text):
-    engine, plan, work = sensor(merit)
-    fault = next(iter(plan.errors()), None)
+    bench = sensor(merit)
+    fault = next(iter(bench.plan.errors()), None)
     if fault is None:
         with pytest.raises(error) as caught:
-            engine.value(plan, "merit.table", work)
+            bench.value("merit.table")
         fault = caught.value
     assert (type(fault), fault.exit_code) == (error, 2)
     assert text in str(fault)
@@ -256,8 +244,8 @@ VISIBLE = {"cut_on_um": 0.4, "cut_off_um": 0.8, "temperature_K": 1250.0}
 
 def test_reflected_light_is_refused():
     """Its brightness temperature of 1250 K would be nobody's."""
-    _, plan, _ = sensor(scene=VISIBLE, noisy=False)
-    assert [str(error) for error in plan.errors()] == [
+    bench = sensor(scene=VISIBLE, noisy=False)
+    assert [str(error) for error in bench.plan.errors()] == [
         "merit: the band begins at 0.4 µm, where the signal is reflected light, which has no "
         "temperature. NETD, MRTD, MDTD and the ranges derived from them do not apply. Use Image "
         "Quality, or give background_K for a scene hot enough to emit in this band"
@@ -328,18 +316,16 @@ REFUSED = [
     ("merit", "given"), [*((each, {}) for each in MERIT), *(({}, each) for each in SENSORS)]
 )
 def test_numbers_or_one_line(model, merit, given):
-    engine, plan, work = sensor({**merit, "model": model}, **given)
+    bench = sensor({**merit, "model": model}, **given)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         if (merit, given) in REFUSED:
             with pytest.raises(DataError) as caught:
-                engine.value(plan, "merit.table", work)
+                bench.value("merit.table")
             assert "\n" not in str(caught.value)
             return
-        table = engine.value(plan, "merit.table", work).as_dict()
-        curves = [
-            engine.value(plan, f"merit.{port}", work) for port in ("mrtd", "mdtd", "probability")
-        ]
+        table = bench.value("merit.table").as_dict()
+        curves = [bench.value(f"merit.{port}") for port in ("mrtd", "mdtd", "probability")]
     assert all(value is None or np.isfinite(value) for value in table.values())
     for curve in curves:
         for series in curve.series:
@@ -360,11 +346,11 @@ RANGES = [*(f"{task}_range_km" for task in TASKS), "ttp_range_km"]
 
 
 def evaluated(merit=None, air=(), **changes):
-    engine, plan, work = sensor(merit, air=air, **changes)
-    assert plan.errors() == []
-    curves = {one.label: one for one in engine.value(plan, "merit.mrtd", work).series}
-    table = engine.value(plan, "merit.table", work).as_dict()
-    return table, curves, [str(one) for one in plan.warnings() if one.node == "merit"]
+    bench = sensor(merit, air=air, **changes)
+    assert bench.plan.errors() == []
+    curves = {one.label: one for one in bench.value("merit.mrtd").series}
+    table = bench.value("merit.table").as_dict()
+    return table, curves, [str(one) for one in bench.plan.warnings() if one.node == "merit"]
 
 
 def left_of_difference(km, background_K, visibility_km=4.0, q=1.1):
@@ -473,20 +459,15 @@ def scanner(platform="line", merit=None, *, noise=None, seed=1, **scene):
         "noise": ("electronics_noise", {**SCAN_NOISE, **(noise or {})}),
         "merit": ("figures_of_merit", merit or {}),
     }
-    engine = Engine(LIBRARY)
-    plan = engine.plan(linked_network(nodes, in_order(nodes, LIBRARY), seed=seed))
-    assert not plan.errors(), plan.errors()
-    return engine, plan, engine.work(Policy(precision="double"))
+    return NodeBench(None, linked_network(nodes, seed=seed))
 
 
 def table_of_scan(*args, **kwargs):
-    engine, plan, work = scanner(*args, **kwargs)
-    return engine.value(plan, "merit.table", work).as_dict()
+    return scanner(*args, **kwargs).value("merit.table").as_dict()
 
 
 def curves_of_scan(port, *args, **kwargs):
-    engine, plan, work = scanner(*args, **kwargs)
-    return {s.label: s for s in engine.value(plan, f"merit.{port}", work).series}
+    return {s.label: s for s in scanner(*args, **kwargs).value(f"merit.{port}").series}
 
 
 class TestPatternOfDetectors:
@@ -526,8 +507,8 @@ class TestNoiseBehindAFilter:
         """Bars of 8 × 56 samples (7:1), averaged in 60 frames of noise; (π²/8)·2.5·σ/H."""
         means = []
         for seed in range(60):
-            engine, plan, work = scanner("line", noise=self.FILTERED, seed=seed)
-            drawn = engine.value(plan, "noise.noise", work)[:56, :]
+            bench = scanner("line", noise=self.FILTERED, seed=seed)
+            drawn = bench.value("noise.noise")[:56, :]
             means.append(drawn.mean(axis=0).reshape(12, 8).mean(axis=1))
         up, down = (float(band_radiance(8.0, 12.0, 300.0 + d)) for d in (0.01, -0.01))
         sigma_K = np.std(means) / ((up - down) / 0.02)
@@ -540,6 +521,6 @@ class TestNoiseBehindAFilter:
 
 
 def test_gain_error_as_printed_is_refused():
-    engine, plan, work = scanner(noise={"gain_model": "literal", "gain_percent": 1.0})
+    bench = scanner(noise={"gain_model": "literal", "gain_percent": 1.0})
     with pytest.raises(DataError, match="gain_model = literal"):
-        engine.value(plan, "merit.table", work)
+        bench.value("merit.table")

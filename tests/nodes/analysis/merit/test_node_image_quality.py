@@ -8,11 +8,9 @@ from scipy.special import ndtr
 
 from core.errors import ImagechainError
 from node_bench import NodeBench
-from nodes.library import standard_library
 from reference_cases import CAMERA as CAMERA_VALUES
 from reference_cases import reference_cases
 
-LIBRARY = standard_library()
 SIZE, FOV_DEG, RANGE_M = 40, 0.02, 600e3
 SAMPLE_MRAD = math.radians(FOV_DEG) * 1000 / SIZE  # small angles: as Init & Trans to 1e-8
 SIGMA_X, SIGMA_Y = 0.45, 0.6  # of the blur, in samples
@@ -38,7 +36,7 @@ def bench_of(folder, quality=None, *, scene=None, camera=None, init=None, blur=N
         "fpa": ("focal_plane", {**CAMERA, **(camera or {})}),
         "merit": ("image_quality", quality or {}),
     }
-    return NodeBench(LIBRARY, folder, nodes)
+    return NodeBench(folder, nodes)
 
 
 def rer(sigma):
@@ -162,7 +160,7 @@ def test_the_contrast_of_a_scene_in_reflectance(tmp_path, unit, mean, bands):
         "fpa": ("focal_plane", {**CAMERA, "integration_time_s": 1e-3}),
         "merit": ("image_quality", {}),
     }  # fmt: skip
-    bench = NodeBench(LIBRARY, tmp_path, nodes)
+    bench = NodeBench(tmp_path, nodes)
     camera = bench.readouts("fpa")
     expected = 0.08 / 0.4 * camera["signal_e"] / camera["temporal_noise_e"]
     assert bench.readouts("merit")["snr"] == pytest.approx(expected, rel=1e-6)

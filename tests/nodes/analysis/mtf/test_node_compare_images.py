@@ -4,14 +4,6 @@ import numpy as np
 import pytest
 
 from node_bench import NodeBench
-from nodes.analysis.compare_images import CompareImages
-from nodes.input_output.read_image import ReadImage
-from nodes.input_output.test_scene import TestScene
-from nodes.motion.jitter_mtf import JitterMTF
-from nodes.transform.init_trans import BackTransform, InitTrans
-from small_library import library_of
-
-LIBRARY = library_of([TestScene, ReadImage, InitTrans, JitterMTF, BackTransform, CompareImages])
 
 
 def blur(sigma, frequency):
@@ -32,23 +24,22 @@ def compared(folder, image, reference, fov=True, precision="double", **params):
         "out": ("compare_images", params),
     }
     links = [("a.image", "out.image"), ("b.image", "out.reference")]
-    bench = NodeBench(LIBRARY, folder, nodes, links, precision=precision)
-    return bench.engine, bench.plan, bench.work
+    return NodeBench(folder, nodes, links, precision=precision)
 
 
 def test_figures_of_the_difference(tmp_path):
     a, b = picture(1, (300, 1000)), picture(2, (300, 1000))
-    engine, plan, work = compared(tmp_path, a, b)
+    bench = compared(tmp_path, a, b)
     expected = {
         "rmse": np.sqrt(np.mean((a - b) ** 2)),
         "max_error": np.abs(a - b).max(),
         "psnr_dB": 20 * np.log10((b.max() - b.min()) / np.sqrt(np.mean((a - b) ** 2))),
         "mean_difference": np.mean(a - b),
     }
-    found = engine.value(plan, "out.table", work).as_dict()
+    found = bench.value("out.table").as_dict()
     assert found == pytest.approx(expected, rel=1e-12)
-    assert engine.readouts(plan, "out", work) == found
-    np.testing.assert_array_equal(engine.value(plan, "out.difference", work), a - b)
+    assert bench.readouts("out") == found
+    np.testing.assert_array_equal(bench.value("out.difference"), a - b)
 
 
 def blurred(array, fov_deg, sigma, edges):
@@ -67,22 +58,22 @@ def blurred(array, fov_deg, sigma, edges):
 def test_ratio_of_a_blurred_picture_is_the_mtf(tmp_path, edges, size):
     reference = picture(size=size)
     image = blurred(reference, (1.5, 2.0), 0.4, edges)
-    engine, plan, work = compared(tmp_path, image, reference, edges=edges)
-    series = engine.value(plan, "out.curve", work).series
+    bench = compared(tmp_path, image, reference, edges=edges)
+    series = bench.value("out.curve").series
     assert [each.label for each in series] == ["horizontal", "vertical"]
     for each, fov, samples in zip(series, (2.0, 1.5), size[::-1], strict=True):
         np.testing.assert_allclose(each.y, blur(0.4, each.x), rtol=1e-9)
         nyquist = 0.5 * samples / (np.radians(fov) * 1000)
         assert 0.95 * nyquist < each.x.max() <= nyquist * (1 + 1e-12)
-    engine, plan, work = compared(tmp_path, image, reference, edges=edges, average="radial")
-    (ring,) = engine.value(plan, "out.curve", work).series
+    bench = compared(tmp_path, image, reference, edges=edges, average="radial")
+    (ring,) = bench.value("out.curve").series
     assert ring.y[0] == pytest.approx(1.0, rel=1e-12)
     np.testing.assert_allclose(ring.y, blur(0.4, ring.x), rtol=0.01, atol=2e-3)
 
 
 def test_without_interval_frequencies_are_per_sample(tmp_path):
-    engine, plan, work = compared(tmp_path, 2 * picture(), picture(), fov=False)
-    curves = engine.value(plan, "out.curve", work)
+    bench = compared(tmp_path, 2 * picture(), picture(), fov=False)
+    curves = bench.value("out.curve")
     assert curves.x_label == "frequency (cycles/sample)"
     assert 0.48 < curves.series[0].x.max() <= 0.5
     np.testing.assert_allclose(curves.series[0].y, 2, rtol=1e-12)
@@ -94,8 +85,8 @@ def test_without_interval_frequencies_are_per_sample(tmp_path):
 @pytest.mark.parametrize("level", [0.0, 3.0, 1e30])
 def test_frequencies_without_signal_are_left_out(tmp_path, average, edges, size, level):
     reference, settings = np.full(size, level), {"average": average, "edges": edges}
-    engine, plan, work = compared(tmp_path, picture(size=size), reference, **settings)
-    for series in engine.value(plan, "out.curve", work).series:
+    bench = compared(tmp_path, picture(size=size), reference, **settings)
+    for series in bench.value("out.curve").series:
         assert series.x.tolist() == ([] if level == 0 else [0.0])
         assert np.isfinite(series.y).all()
-    assert engine.value(plan, "out.table", work).as_dict()["psnr_dB"] is None
+    assert bench.value("out.table").as_dict()["psnr_dB"] is None

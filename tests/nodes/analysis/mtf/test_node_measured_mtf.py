@@ -7,19 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from core.chain.engine import Engine
-from core.errors import DataError, ImagechainError, ParameterError
-from core.evaluation.work import Policy
+from core.errors import ParameterError
 from core.network.file import load_network
 from edge_pictures import edge_mtf, edge_picture
-from linked_network import in_order, linked_network
+from linked_network import linked_network
 from node_bench import NodeBench
-from nodes.analysis.measured_mtf import MeasuredMTF
-from nodes.input_output.read_image import ReadImage
 from nodes.library import standard_library
-from small_library import library_of
 
-LIBRARY = library_of([ReadImage, MeasuredMTF])
 ERRORS = ("mtf50_error", "at_nyquist_error")
 FOV = {"fov_x_deg": 1.0, "fov_y_deg": 1.5}
 
@@ -27,8 +21,7 @@ FOV = {"fov_x_deg": 1.0, "fov_y_deg": 1.5}
 def measured(folder, picture, fov=FOV, precision="double", **params):
     np.save(folder / "a.npy", picture)
     nodes = {"a": ("read_image", {"path": "a.npy", **fov}), "out": ("measured_mtf", params)}
-    bench = NodeBench(LIBRARY, folder, nodes, precision=precision)
-    return bench.engine, bench.plan, bench.work
+    return NodeBench(folder, nodes, precision=precision)
 
 
 def intervals(picture):
@@ -46,8 +39,8 @@ def test_frequencies_are_angular_along_the_normal_of_oblong_pixels(tmp_path, acr
     picture = edge_picture(8, 0.6, (96, 80) if upright else (80, 96))
     picture = 270 + 30 * (picture if upright else picture.T)
     x, y = intervals(picture)
-    engine, plan, work = measured(tmp_path, picture, precision=precision)
-    curve = engine.value(plan, "out.curve", work)
+    bench = measured(tmp_path, picture, precision=precision)
+    curve = bench.value("out.curve")
     assert curve.x_label == "frequency (cyc/mrad)"
     # The normal in mrad, for one in pixels of (cos 8°, ∓sin 8°): lines stretch, normals shrink.
     angle = math.radians(8)
@@ -57,7 +50,7 @@ def test_frequencies_are_angular_along_the_normal_of_oblong_pixels(tmp_path, acr
     below = cycles <= 0.5
     truth = edge_mtf(cycles, 8, 0.6)
     assert np.max(np.abs(curve.series[0].y - truth)[below]) < 0.002
-    found = engine.readouts(plan, "out", work)
+    found = bench.readouts("out")
     fine = np.linspace(0, 1, 10001)
     half, tenth = (fine[np.argmax(edge_mtf(fine, 8, 0.6) < level)] for level in (0.5, 0.1))
     assert found["mtf50_per_pixel"] == pytest.approx(half, abs=0.001)
@@ -67,7 +60,7 @@ def test_frequencies_are_angular_along_the_normal_of_oblong_pixels(tmp_path, acr
     assert found["at_nyquist"] == pytest.approx(edge_mtf(0.5, 8, 0.6), abs=0.002)
     for name in ("expected_mtf50", "expected_at_nyquist", "largest_difference"):
         assert found[name] is None  # no chain is known behind a file
-    table = engine.value(plan, "out.table", work).as_dict()
+    table = bench.value("out.table").as_dict()
     assert table["direction"] == across
     assert table["contrast"] == pytest.approx(30, rel=1e-3)
     assert table["nyquist"] == pytest.approx(0.5 * per_mrad)
@@ -78,18 +71,16 @@ def test_frequencies_are_angular_along_the_normal_of_oblong_pixels(tmp_path, acr
 def test_direction_of_the_normal(tmp_path):
     """From +x towards +y, as a test scene's angle; the normal of the picture points to −8°."""
     for picture, normal in ((edge_picture(8, 1), -8), (edge_picture(8, 1).T, 98)):
-        engine, plan, work = measured(tmp_path, picture, {})
-        assert engine.readouts(plan, "out", work)["edge_angle_deg"] == pytest.approx(
-            normal, abs=0.01
-        )
+        bench = measured(tmp_path, picture, {})
+        assert bench.readouts("out")["edge_angle_deg"] == pytest.approx(normal, abs=0.01)
 
 
 def test_only_the_region_counts(tmp_path):
     whole = np.random.default_rng(1).uniform(0, 9, (100, 120))
     whole[10:80, 30:100] = edge_picture(4, 1, (70, 70))
     region = {"region_x": 30, "region_y": 10, "region_width": 70, "region_height": 70}
-    engine, plan, work = measured(tmp_path, whole, axis="cyc_per_pixel", **region)
-    series = engine.value(plan, "out.curve", work).series[0]
+    bench = measured(tmp_path, whole, axis="cyc_per_pixel", **region)
+    series = bench.value("out.curve").series[0]
     np.testing.assert_allclose(series.y, edge_mtf(series.x, 4, 1), atol=0.002)
 
 
@@ -103,8 +94,8 @@ def test_only_the_region_counts(tmp_path):
     ],
 )
 def test_region_outside_the_picture_is_refused(tmp_path, params, named):
-    _, plan, _ = measured(tmp_path, edge_picture(5, 1), **params)
-    error = plan.nodes["out"].error
+    bench = measured(tmp_path, edge_picture(5, 1), **params)
+    error = bench.error("out")
     assert isinstance(error, ParameterError)
     assert error.parameter == named
 
@@ -113,19 +104,13 @@ def test_region_outside_the_picture_is_refused(tmp_path, params, named):
 @pytest.mark.parametrize("size", [(1, 1), (1, 40), (40, 1), (7, 5), (64, 64)])
 def test_pictures_without_an_edge_are_refused_in_one_line(tmp_path, method, size):
     for picture in (np.zeros(size), np.random.default_rng(2).normal(size=size)):
-        engine, plan, work = measured(tmp_path, picture, method=method)
-        with pytest.raises(DataError) as caught:
-            engine.value(plan, "out.curve", work)
-        assert isinstance(caught.value, ImagechainError)
-        assert caught.value.node == "out"
-        assert "\n" not in str(caught.value)
+        measured(tmp_path, picture, method=method).refusal("out.curve", "out")
 
 
 SHIPPED = Path("networks/measured_mtf.json")
 SIGMA_MRAD = 0.2  # of both axes
 INTERVAL = math.radians(3.0) * 1000 / 256  # 3° over 256 samples, mrad
 DETECTOR = 30 / 75  # µm/mm, mrad
-ENGINE = Engine(standard_library())
 
 
 def gaussian(xi, eta, sigma_x, sigma_y):
@@ -133,15 +118,13 @@ def gaussian(xi, eta, sigma_x, sigma_y):
 
 
 def evaluated(network, folder=SHIPPED.parent, name="measured"):
-    plan = ENGINE.plan(network, folder=folder)
-    work = ENGINE.work(Policy(precision="double"))
-    curve = ENGINE.value(plan, f"{name}.curve", work)
-    table = ENGINE.value(plan, f"{name}.table", work).as_dict()
-    return {series.label: series for series in curve.series}, table
+    bench = NodeBench(folder, network)
+    curves = {series.label: series for series in bench.value(f"{name}.curve").series}
+    return curves, bench.value(f"{name}.table").as_dict()
 
 
 def shipped(seed=1996, *, noise=True, **params):
-    network = load_network(SHIPPED, library=ENGINE.library)
+    network = load_network(SHIPPED, library=standard_library())
     nodes = dict(network.nodes)
     measured = nodes["measured"]
     nodes["measured"] = replace(measured, params={**measured.params, **params})
@@ -186,7 +169,7 @@ def chain(*, scene, measured, combine=None, blur=(0.3, 0.5)):
         **({} if combine is None else {"combine": ("combine_pixels", combine)}),
         "measured": ("measured_mtf", measured),
     }
-    return linked_network(nodes, in_order(nodes, ENGINE.library))
+    return linked_network(nodes)
 
 
 def scene(angle_deg, width=192, height=160, fov_x=2.0, fov_y=2.5):

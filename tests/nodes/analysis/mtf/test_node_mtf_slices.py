@@ -5,26 +5,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from core.chain.engine import Engine
 from core.chain.wires import Magnitude, SampledTransfer, Transfer
-from core.evaluation.recipes import Step
-from core.evaluation.work import Policy
+from core.evaluation.recipes import Step, Store
+from core.evaluation.work import Policy, Work
 from core.modules.declaration import NodeContext
 from core.transfer.factors import Grid, Law, Planar, Separable
-from linked_network import in_order, linked_network
+from node_bench import NodeBench
 from nodes.analysis.mtf_slices import MtfSlices
-from nodes.input_output.test_scene import TestScene
-from nodes.motion.jitter_mtf import JitterMTF
-from nodes.optics.veiling_glare import GaussianMTF
-from nodes.transform.init_trans import InitTrans
-from small_library import library_of
 
-LIBRARY = library_of([TestScene, InitTrans, JitterMTF, GaussianMTF, MtfSlices])
 GRID = Grid(40, 64, 0.5, 0.8)
 
 
-def chain(**slicing):
-    """Scene, two blurs that are alike in name, and slices of what they make together."""
+def sliced(**slicing):
+    """Slices of what two blurs make together that are alike in name, behind a scene."""
     nodes = {
         "scene": ("test_scene", {"width": 64, "height": 40, "fov_x_deg": 2, "fov_y_deg": 3}),
         "init": ("init_trans", {}),
@@ -33,15 +26,8 @@ def chain(**slicing):
         "jitter": ("jitter_mtf", {"sigma_mrad": 0.4}),
         "slices": ("mtf_slices", slicing),
     }
-    return linked_network(nodes, in_order(nodes, LIBRARY))
-
-
-def sliced(document):
-    engine = Engine(LIBRARY)
-    plan = engine.plan(document)
-    work = engine.work(Policy())
-    readouts = engine.readouts(plan, "slices", work)
-    return plan, engine.value(plan, "slices.curve", work), readouts
+    bench = NodeBench(None, nodes, precision="single")
+    return bench.plan, bench.value("slices.curve"), bench.readouts("slices")
 
 
 def blur(sigma, frequency):
@@ -49,7 +35,7 @@ def blur(sigma, frequency):
 
 
 def test_stages_and_total_on_both_axes():
-    plan, curves, readouts = sliced(chain(direction="both", samples=33))
+    plan, curves, readouts = sliced(direction="both", samples=33)
     grid = plan.output("init.context").grid
     expected, ends = {}, []
     cases = (("horizontal", grid.nyquist_x, (0.3, 0.2)), ("vertical", grid.nyquist_y, (0.9, 0.1)))
@@ -73,7 +59,7 @@ def test_stages_and_total_on_both_axes():
 
 
 def test_any_angle_ends_where_the_band_does():
-    plan, curves, _ = sliced(chain(direction="angle", angle_deg=-30.0, stages=False))
+    plan, curves, _ = sliced(direction="angle", angle_deg=-30.0, stages=False)
     grid = plan.output("init.context").grid
     (total,) = curves.series
     end = min(grid.nyquist_x / np.cos(np.pi / 6), grid.nyquist_y / 0.5)
@@ -89,8 +75,8 @@ def test_any_angle_ends_where_the_band_does():
     ("angle", "direction"), [(0, "horizontal"), (180, "horizontal"), (90, "vertical")]
 )
 def test_right_angles_are_the_axes(angle, direction):
-    turned = sliced(chain(direction="angle", angle_deg=angle))[1]
-    straight = sliced(chain(direction=direction))[1]
+    turned = sliced(direction="angle", angle_deg=angle)[1]
+    straight = sliced(direction=direction)[1]
     for a, b in zip(turned.series, straight.series, strict=True):
         np.testing.assert_array_equal(a.x, b.x)
         np.testing.assert_array_equal(a.y, b.y)
@@ -107,10 +93,8 @@ def delay(frequency, delay_mrad):
 
 def curve_of(transfer, **slicing):
     """Slices of any transfer, without a network."""
-    module = MtfSlices.build(slicing)
-    engine = Engine(LIBRARY)
-    output = module.run(transfer, NodeContext("slices"))
-    return engine.work(Policy()).value(output.curve.recipe)
+    output = MtfSlices.build(slicing).run(transfer, NodeContext("slices"))
+    return Work(Policy(), Store()).value(output.curve.recipe)
 
 
 def test_complex_factors_and_phases():

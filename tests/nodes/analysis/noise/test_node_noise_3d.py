@@ -7,20 +7,18 @@ import pytest
 from PIL import Image as Pillow
 
 from core.chain.random_fields import at_frame
-from core.evaluation.work import Policy
 from core.network.network import Link, Node
 from core.physics.noise.noise_components import COMPONENTS, NoiseCube
 from node_bench import NodeBench
 from nodes.analysis.lineage import NoiseOf, noise_free
-from nodes.library import standard_library
 from noisy_sensors import SOURCES, noisy_sensor, picture_of
 
 ALL = ("photons", "gain", "bias", "detector", "amplifier", "quantization", "periodic")
 
 
 def measured(folder, kinds, frames=200, seed=11, **settings):
-    """Plan, table as a dictionary and bars of the node behind a sensor with these noises."""
-    engine, network = noisy_sensor(folder, *kinds, **settings)
+    """The node behind a sensor with these noises."""
+    _, network = noisy_sensor(folder, *kinds, **settings)
     node = Node("noise", "noise_3d", {"frames": frames})
     network = replace(
         network,
@@ -28,17 +26,7 @@ def measured(folder, kinds, frames=200, seed=11, **settings):
         nodes={**network.nodes, "noise": node},
         links=(*network.links, Link.between("out.image", "noise.image")),
     )
-    plan = engine.plan(network, folder=folder)
-    work = engine.work(Policy(precision="double"))
-    if plan.errors():
-        return plan, None, None, None
-    table = engine.value(plan, "noise.table", work).as_dict()
-    return (
-        plan,
-        table,
-        engine.value(plan, "noise.curve", work),
-        engine.readouts(plan, "noise", work),
-    )
+    return NodeBench(folder, network)
 
 
 @pytest.mark.parametrize("kinds", [("photons",), ("detector",), ("amplifier", "quantization"), ALL])
@@ -48,7 +36,7 @@ def test_temporal_noise_of_200_frames(tmp_path, kinds):
     White noise of these chains is filtered to no less than a tenth of its samples' number, which
     widens standard errors by at most √10; the components beside tvh hang on few averages.
     """
-    _, table, _, _ = measured(tmp_path, kinds)
+    table = measured(tmp_path, kinds).value("noise.table").as_dict()
     for name in ("tvh", "tv", "th", "t"):
         off = table[f"sigma_{name}_measured"] - table[f"sigma_{name}"]
         assert abs(off) < 4 * np.sqrt(10) * table[f"sigma_{name}_error"], name
@@ -56,7 +44,8 @@ def test_temporal_noise_of_200_frames(tmp_path, kinds):
 
 def test_fixed_pattern_of_one_sensor(tmp_path):
     """Detectors of a staring array: 60 × 48 deviates tell σ to 1/√(2·2880) = 1.3 %."""
-    _, table, _, _ = measured(tmp_path, ("gain", "bias"), frames=2, resize=False)
+    bench = measured(tmp_path, ("gain", "bias"), frames=2, resize=False)
+    table = bench.value("noise.table").as_dict()
     assert table["fixed_measured"] == pytest.approx(table["fixed"], rel=4 * 0.014)
     # What sums of squares of doubles leave of the pattern where nothing changes: the root of 1e-16.
     assert table["temporal_measured"] < 1e-7 * table["fixed"]
@@ -64,8 +53,8 @@ def test_fixed_pattern_of_one_sensor(tmp_path):
 
 
 def test_a_single_frame_is_refused(tmp_path):
-    plan, *_ = measured(tmp_path, (), frames=1)
-    assert [str(error) for error in plan.errors()] == [
+    bench = measured(tmp_path, (), frames=1)
+    assert [str(error) for error in bench.plan.errors()] == [
         "noise: frames = 1 is not allowed: must be 0, or at least 2"
     ]
 
@@ -136,7 +125,6 @@ def test_each_source_has_its_term(tmp_path):
     assert stirred.total == 0.0 or stirred.total < (80 / 63) ** 2 / 12
 
 
-LIBRARY = standard_library()
 SIGMAS = {"tvh": 9.0, "vh": 6.0, "v": 3.0, "h": 4.0, "t": 2.0, "tv": 2.5, "th": 1.5}
 FRAMES, ROWS, COLUMNS = 150, 80, 120
 
@@ -170,13 +158,11 @@ def write(folder, name, cube):
 
 def planned(folder, params, *, image=None):
     nodes = {} if image is None else {"scene": ("read_image", image)}
-    return NodeBench(LIBRARY, folder, {**nodes, "noise": ("noise_3d", params)}, precision="single")
+    return NodeBench(folder, {**nodes, "noise": ("noise_3d", params)}, precision="single")
 
 
 def table(folder, params, **how):
-    bench = planned(folder, params, **how)
-    assert bench.plan.errors() == []
-    return bench.value("noise.table")
+    return planned(folder, params, **how).value("noise.table")
 
 
 @pytest.mark.parametrize("name", ["f.npy", "f.tif", "f.bsq"])

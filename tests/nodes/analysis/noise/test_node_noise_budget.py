@@ -7,9 +7,7 @@ import pytest
 
 from core.errors import DataError
 from node_bench import NodeBench, square_detectors
-from nodes.library import standard_library
 
-LIBRARY = standard_library()
 ROWS, COLUMNS = 80, 100
 FOV_X, FOV_Y = 3.0, 2.0
 X, Y = math.radians(FOV_X) * 1000 / COLUMNS, math.radians(FOV_Y) * 1000 / ROWS
@@ -39,7 +37,7 @@ def sensor(budget=None, *, noise=None, blurs=BLURS):
         "noise": ("electronics_noise", {**NOISE, **(noise or {})}),
         "budget": ("noise_budget", budget or {}),
     }
-    return NodeBench(LIBRARY, None, nodes).value
+    return NodeBench(None, nodes).value
 
 
 def bars(data):
@@ -150,7 +148,7 @@ def test_what_amplifies_makes_up_for_blur():
 
 def test_nothing_to_share_out_is_said():
     nodes = {"scene": ("test_scene", SCENE), "budget": ("noise_budget", {})}
-    value = NodeBench(LIBRARY, None, nodes).value
+    value = NodeBench(None, nodes).value
     for port in ("noise", "blur"):
         data = value(f"budget.{port}")
         assert (data.series, data.bars) == ((), ())
@@ -172,7 +170,7 @@ def test_a_picture_without_sampling_interval_is_refused(tmp_path):
         "read": ("read_image", {"path": str(tmp_path / "bare.npy")}),
         "budget": ("noise_budget", {}),
     }
-    (error,) = NodeBench(LIBRARY, None, nodes).plan.errors()
+    (error,) = NodeBench(None, nodes).plan.errors()
     assert error.node == "budget"
     assert "the image has no sampling interval: set fov_x_deg and fov_y_deg" in str(error)
 
@@ -204,7 +202,7 @@ def crossed():
         ("init.phase", "back.phase"),
         ("back.image", "budget.image"),
     ]
-    return NodeBench(LIBRARY, None, nodes, links).value
+    return NodeBench(None, nodes, links).value
 
 
 def test_noise_through_what_is_not_known_is_refused():

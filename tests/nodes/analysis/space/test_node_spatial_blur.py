@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 
 from analytic_stages import INTERVAL_X, INTERVAL_Y, STAGES
-from core.chain.engine import Engine
-from core.evaluation.work import Policy
 from core.network.network import Link, Network, Node
-from delivered_chains import LIBRARY, chain_network, scene
+from delivered_chains import chain_network, scene
+from node_bench import NodeBench
 from spatial_truth import blurred, left_behind
 
 SIZES = [(24, 17), (23, 16), (16, 1), (1, 9), (1, 1), (33, 48)]
@@ -17,7 +16,7 @@ EDGES = ["reflect", "periodic"]
 CLOSE = 1e-10
 
 
-def planned(folder, picture, stages, edges, **params):
+def planned(folder, picture, stages, edges, *, precision="double", tolerance=None, **params):
     """A chain that ends in both ways: `back` and `space`."""
     np.save(folder / "in.npy", picture)
     document, _ = chain_network(stages, *picture.shape, edges)
@@ -26,18 +25,12 @@ def planned(folder, picture, stages, edges, **params):
         nodes={**document.nodes, "space": Node("space", "spatial_blur", params)},
         links=(*document.links, *twins),
     )
-    engine = Engine(LIBRARY)
-    plan = engine.plan(document, folder=folder)
-    assert plan.errors() == []
-    return engine, plan
+    return NodeBench(folder, document, precision=precision, tolerance=tolerance)
 
 
-def values(
-    folder, picture, stages, edges="reflect", precision="double", ports=("image",), **params
-):
-    engine, plan = planned(folder, picture, stages, edges, **params)
-    work = engine.work(Policy(precision=precision))
-    return tuple(engine.value(plan, f"space.{port}", work) for port in ports)
+def values(folder, picture, stages, edges="reflect", ports=("image",), **params):
+    bench = planned(folder, picture, stages, edges, **params)
+    return tuple(bench.value(f"space.{port}") for port in ports)
 
 
 def whole(folder, picture, stages, edges):
@@ -122,9 +115,8 @@ CHAINS = {
 @pytest.mark.parametrize("size", SIZES, ids=str)
 def test_equals_the_fourier_way(tmp_path, size, chain, edges):
     picture = scene(*size)
-    engine, plan = planned(tmp_path, picture, CHAINS[chain], edges, truncation="none")
-    work = engine.work(Policy(precision="double", tolerance=0.0))
-    fourier, space = (engine.value(plan, f"{node}.image", work) for node in ("back", "space"))
+    bench = planned(tmp_path, picture, CHAINS[chain], edges, tolerance=0.0, truncation="none")
+    fourier, space = (bench.value(f"{node}.image") for node in ("back", "space"))
     assert np.abs(space - fourier).max() <= CLOSE * np.abs(picture).max()
 
 
