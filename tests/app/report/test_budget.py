@@ -45,17 +45,7 @@ def network(photons=PHOTONS, electronics=ELECTRONICS, scene=SCENE, sigma_px=BLUR
         "electronics": ("electronics_noise", electronics),
         "pixels": ("combine_pixels", {"factor_x": 2, "factor_y": 2}),
     }
-    return linked_network(
-        nodes,
-        [
-            ("scene.image", "photons.image"), ("photons.image", "init.image"),
-            ("init.context", "blur.context"), ("init.magnitude", "blur.magnitude"),
-            ("blur.magnitude", "back.magnitude"), ("init.phase", "back.phase"),
-            ("back.image", "electronics.image"), ("init.context", "electronics.context"),
-            ("electronics.image", "pixels.image"),
-        ],
-        seed=7,
-    )  # fmt: skip
+    return linked_network(nodes, seed=7)
 
 
 def evaluated(document, precision="double"):
@@ -236,20 +226,15 @@ def test_what_is_switched_off_or_elsewhere_is_no_source():
     assert reason == "no noise is added on the way to pixels.image"
 
 
-def without_electronics(*stages):
+def without_electronics(**stages):
     nodes = {
         "scene": ("test_scene", {**SCENE, "width": 64, "height": 64}),
         "init": ("init_trans", SENSOR),
+        **stages,
         "back": ("back_transform", {}),
         "pixels": ("combine_pixels", {"factor_x": 2, "factor_y": 2}),
     }
-    links, last = [("scene.image", "init.image"), ("init.phase", "back.phase")], "init"
-    for name, key, params in stages:
-        nodes[name] = (key, params)
-        links += [("init.context", f"{name}.context"), (f"{last}.magnitude", f"{name}.magnitude")]
-        last = name
-    links += [(f"{last}.magnitude", "back.magnitude"), ("back.image", "pixels.image")]
-    return linked_network(nodes, links)
+    return linked_network(nodes)
 
 
 PAIRS = -math.log(math.cos(math.pi / 8))  # mean of two samples, at half the pixels' Nyquist
@@ -260,12 +245,12 @@ def shares_of(found):
 
 
 def test_gaussian_blurs_share_as_their_variances():
-    stages = (
-        ("a", "gaussian_mtf", {"sigma_x_mrad": 3.0, "sigma_y_mrad": 1.0}),
-        ("b", "jitter_mtf", {"sigma_mrad": 1.0}),
-        ("idle", "gaussian_mtf", {}),
+    document = without_electronics(
+        a=("gaussian_mtf", {"sigma_x_mrad": 3.0, "sigma_y_mrad": 1.0}),
+        b=("jitter_mtf", {"sigma_mrad": 1.0}),
+        idle=("gaussian_mtf", {}),
     )
-    found = told(evaluated(without_electronics(*stages)), "blur")
+    found = told(evaluated(document), "blur")
     interval = math.radians(FOV_DEG) * 1000 / 64
     # Half of 1/(2·interval), where the interval is that of the combined pixels.
     for name in ("xi_cyc_per_mrad", "eta_cyc_per_mrad"):

@@ -134,13 +134,7 @@ def blurred(sigma_px=1.2, scene=SCENE, edges="reflect", **more):
         "grabber": ("interpolate", {"width": 150}),
         **more,
     }
-    links = [
-        ("scene.image", "init.image"), ("init.context", "blur.context"),
-        ("init.magnitude", "blur.magnitude"), ("blur.magnitude", "back.magnitude"),
-        ("init.phase", "back.phase"), ("back.image", "pixels.image"),
-        ("pixels.image", "grabber.image"),
-    ]  # fmt: skip
-    return linked_network(nodes, links)
+    return linked_network(nodes)
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,6 @@
 """Each recipe is made once in an evaluation, whatever the store can hold."""
 
 from collections import Counter
-from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -92,10 +91,8 @@ def test_pictures_in_series():
     scene = {"kind": "uniform", "width": 8, "height": 8}
     nodes = {"scene": ("test_scene", scene)}
     nodes |= {f"n{k}": ("poisson_noise", {"percent": 0.01}) for k in range(LONG)}
-    names = list(nodes)
-    links = [(f"{a}.image", f"{b}.image") for a, b in pairwise(names)]
     engine = Engine(standard_library(), Store(capacity_bytes=1))
-    plan = planned(engine, linked_network(nodes, links), Path())
+    plan = planned(engine, linked_network(nodes), Path())
     work = TimedWork(Policy(threads=1), engine.store)
     image = plan.output(f"n{LONG - 1}.image")
     with work.hold(needed_later(plan, [], report=True)):

@@ -6,6 +6,8 @@ import json
 import numpy as np
 import pytest
 
+from linked_network import document_of
+
 PICTURE = {"fov_x_deg": 1, "fov_y_deg": 1, "cut_on_um": 8, "cut_off_um": 12, "unit": "W/m^2/sr/um"}
 
 
@@ -13,17 +15,15 @@ PICTURE = {"fov_x_deg": 1, "fov_y_deg": 1, "cut_on_um": 8, "cut_off_um": 12, "un
 def lab(tmp_path):
     """A network in a folder of its own; each folder has files of the same names, and others."""
     nodes = {
-        "scene": {"module": "read_image", "params": {"path": "at_home.npy", **PICTURE}},
-        "written": {"module": "write_image", "params": {"path": "written.npy"}},
+        "scene": ("read_image", {"path": "at_home.npy", **PICTURE}),
+        "written": ("write_image", {"path": "written.npy"}),
     }
-    network = {"format": "imagechain-network", "version": 1, "nodes": nodes}
     folder = tmp_path / "lab"
     for place, levels in ((tmp_path, {"mine": 1, "other": 2}), (folder, {"mine": 8, "at_home": 9})):
         place.mkdir(exist_ok=True)
         for name, level in levels.items():
             np.save(place / f"{name}.npy", np.full((8, 8), float(level)))
-    links = [["scene.image", "written.image"]]
-    (folder / "net.json").write_text(json.dumps({**network, "links": links}), encoding="utf-8")
+    (folder / "net.json").write_text(json.dumps(document_of(nodes)), encoding="utf-8")
     return folder
 
 
@@ -58,14 +58,11 @@ def test_a_node_is_switched_off_for_a_run(imagechain, works, tmp_path):
     """The picture without noise is that before it; a judge or a macro can be switched off too."""
     save = ("--save", "scene.image=scene.npy", "--save", "noise.image=out.npy", "--output-dir", "o")
     nodes = {
-        "scene": {"module": "test_scene", "params": {"width": 24, "height": 16, "fov_x_deg": 1,
-                                                     "fov_y_deg": 1}},
-        "noise": {"module": "noise_3d_source", "params": {"sigma_tvh": 0.5}},
-        "figures": {"module": "noise_3d", "params": {}},
-    }  # fmt: skip
-    links = [["scene.image", "noise.image"], ["noise.image", "figures.image"]]
-    network = {"format": "imagechain-network", "version": 1, "nodes": nodes, "links": links}
-    (tmp_path / "n.json").write_text(json.dumps(network), encoding="utf-8")
+        "scene": ("test_scene", {"width": 24, "height": 16, "fov_x_deg": 1, "fov_y_deg": 1}),
+        "noise": ("noise_3d_source", {"sigma_tvh": 0.5}),
+        "figures": ("noise_3d", {}),
+    }
+    (tmp_path / "n.json").write_text(json.dumps(document_of(nodes)), encoding="utf-8")
     assert imagechain("run", "n.json", *save).returncode == 0
     assert np.ptp(np.load(tmp_path / "out.npy") - np.load(tmp_path / "scene.npy")) > 1
     works("run", "n.json", "--disable", "noise", *save)

@@ -8,6 +8,7 @@ import pytest
 import zarr
 
 from app.run.shipped import find_network
+from linked_network import document_of
 from nodes.files.formats import read_pixels
 
 BUDGET = "100kB"
@@ -49,11 +50,10 @@ def test_shipped_networks_to_the_bit(works, tmp_path, name, precision):
 def test_a_test_scene_in_bands(works, write, tmp_path, rows):
     scene = {"width": 1300, "height": rows, "bands": 2, "quantity": "reflectance"}
     nodes = {
-        "scene": {"module": "test_scene", "params": scene | {"cut_on_um": 0.4, "cut_off_um": 0.7}},
-        "light": {"module": "reflected_light", "params": {}},
+        "scene": ("test_scene", scene | {"cut_on_um": 0.4, "cut_off_um": 0.7}),
+        "light": ("reflected_light", {}),
     }
-    links = [["scene.image", "light.image"]]
-    network = write({"format": "imagechain-network", "version": 1, "nodes": nodes, "links": links})
+    network = write(document_of(nodes))
     for memory in ("8GB", BUDGET):
         words = ("--save", f"light.image={memory}.npy", "--memory", memory)
         done = works("run", network, *words, "--output-dir", memory)

@@ -30,16 +30,9 @@ def network(*, pixels="sample_pixels", detector_x_um=15, detector_y_um=30, **blu
         "slices": ("mtf_slices", {"direction": "both"}),
         "back": ("back_transform", {}),
     }  # fmt: skip
-    links = [
-        ("scene.image", "init.image"), ("init.context", "blur.context"),
-        ("init.magnitude", "blur.magnitude"), ("init.context", "aperture.context"),
-        ("blur.magnitude", "aperture.magnitude"), ("aperture.magnitude", "slices.transfer"),
-        ("aperture.magnitude", "back.magnitude"), ("init.phase", "back.phase"),
-    ]  # fmt: skip
     if pixels:
         nodes["pixels"] = (pixels, {})
-        links.append(("back.image", "pixels.image"))
-    return linked_network(nodes, links)
+    return linked_network(nodes)
 
 
 def planned(**how):

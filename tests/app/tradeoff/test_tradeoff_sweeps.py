@@ -185,11 +185,7 @@ def test_a_figure_of_a_clipped_picture_has_its_reason():
         "init": ("init_trans", {**PIXELS, "focal_length_mm": 50, "f_number": 2}),
         "fpa": ("focal_plane", {"integration_time_s": 10.0, "full_well_e": 1e5}),
     }
-    links = [
-        ("scene.image", "init.image"), ("init.context", "fpa.context"),
-        ("scene.image", "fpa.image"),
-    ]  # fmt: skip
-    network, engine = linked_network(nodes, links), Engine(LIBRARY)
+    network, engine = linked_network(nodes), Engine(LIBRARY)
     wanted = [figures_of(network, LIBRARY)[f"fpa.{name}"] for name in ("netd_K", "signal_e")]
     found = computed(wanted, engine, engine.plan(network), engine.work(Policy("double")), {"fpa"})
     assert list(found.figures) == ["fpa.signal_e"]

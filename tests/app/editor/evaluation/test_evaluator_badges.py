@@ -8,33 +8,23 @@ from app.editor.evaluation.queries import STALE, Badge
 from app.editor.session import Session
 from core.editing.document import Document
 from core.editing.operations import set_node_field, set_parameter
-from core.network.network import Link, Network, Node
 from editor_queries import Readouts, Samples, SlowCopy
+from linked_network import linked_network
 from nodes.library import standard_library
 
-SCENE = Node("scene", "test_scene", {"kind": "two_panel", "width": 48, "height": 40})
+SCENE = ("test_scene", {"kind": "two_panel", "width": 48, "height": 40})
 GEOMETRY = {"detector_x_um": 25.0, "detector_y_um": 25.0, "focal_length_mm": 200.0}
-
-
-def network(*nodes, links=()):
-    ends = [Link.between(*each.split(" > ")) for each in links]
-    return Network(nodes={node.id: node for node in nodes}, links=tuple(ends))
 
 
 def chain(**jitter):
     """A scene through one MTF and back."""
-    return network(
-        SCENE,
-        Node("init", "init_trans", GEOMETRY),
-        Node("jitter", "jitter_mtf", jitter),
-        Node("back", "back_transform"),
-        links=(
-            "scene.image > init.image",
-            "init.context > jitter.context",
-            "init.magnitude > jitter.magnitude",
-            "jitter.magnitude > back.magnitude",
-            "init.phase > back.phase",
-        ),
+    return linked_network(
+        {
+            "scene": SCENE,
+            "init": ("init_trans", GEOMETRY),
+            "jitter": ("jitter_mtf", jitter),
+            "back": ("back_transform", {}),
+        }
     )
 
 
@@ -96,11 +86,12 @@ def test_an_error_stands_on_its_node_and_the_rest_goes_on(evaluator, open_networ
 def test_an_error_met_while_computing_stands_on_its_node(evaluator, open_network, tmp_path, qtbot):
     path = tmp_path / "broken.npy"
     np.save(path, np.array([[1.0, np.nan], [2.0, 3.0]]))
-    reading = network(
-        Node("file", "read_image", {"path": str(path)}),
-        Node("bits", "interpolate", {"width": 5}),
-        Node("other", "test_scene", {"width": 8, "height": 8, "kind": "uniform"}),
-        links=("file.image > bits.image",),
+    reading = linked_network(
+        {
+            "file": ("read_image", {"path": str(path)}),
+            "bits": ("interpolate", {"width": 5}),
+            "other": ("test_scene", {"width": 8, "height": 8, "kind": "uniform"}),
+        }
     )
     session = open_network(reading, Samples("bits.image"), Samples("other.image"))
     badges = evaluator.badges
@@ -116,13 +107,8 @@ def test_an_error_met_while_computing_stands_on_its_node(evaluator, open_network
 
 
 def test_inputs_that_are_not_connected_are_named(evaluator, open_network):
-    open_network(
-        network(
-            Node("jitter", "jitter_mtf"),
-            Node("back", "back_transform"),
-            links=("jitter.magnitude > back.magnitude",),
-        )
-    )
+    nodes = {"jitter": ("jitter_mtf", {}), "back": ("back_transform", {})}
+    open_network(linked_network(nodes))
     text = "not connected: context needs a context, magnitude needs a magnitude"
     assert evaluator.badges == {
         "jitter": Badge("incomplete", text),
@@ -173,12 +159,9 @@ def test_a_long_pass_says_where_it_is(evaluator, open_network, qtbot):
     told, badges = [], []
     evaluator.busy_changed.connect(told.append)
     evaluator.badges_changed.connect(badges.append)
-    slow = network(
-        SCENE,
-        Node("slow", "slow_copy", {"ns_per_sample": 4e5}),  # 1920 samples: 0.77 s
-        links=("scene.image > slow.image",),
-    )
-    open_network(slow, Samples("scene.image"), Samples("slow.image"))
+    slow = ("slow_copy", {"ns_per_sample": 4e5})  # 1920 samples: 0.77 s
+    network = linked_network({"scene": SCENE, "slow": slow}, [("scene.image", "slow.image")])
+    open_network(network, Samples("scene.image"), Samples("slow.image"))
     assert told[-1] is None
     during = told[:-1]
     assert 1 <= len(during) <= 6  # ten a second at most

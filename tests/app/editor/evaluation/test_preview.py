@@ -14,8 +14,9 @@ from core.editing.document import Document
 from core.editing.operations import set_parameter
 from core.evaluation.work import Policy
 from core.network.file import load_network
-from core.network.network import Link, Network, Node
+from core.network.network import Network
 from editor_queries import Samples, SlowCopy
+from linked_network import linked_network
 from nodes.library import standard_library
 from scripted_drag import drag
 
@@ -85,20 +86,13 @@ def test_as_many_pixels_are_sampled_of_fewer_samples(library, given):
     """By the pitch or by a number: a camera's pixels stay what they are in a smaller picture."""
     network = of_scene(
         "dormitory",
-        Node("camera", "camera", {"pitch_um": 12, "focal_length_mm": 10}),
-        Node("init", "init_trans", {}),
-        Node("detector", "detector_mtf", {}),
-        Node("back", "back_transform", {}),
-        Node("pixels", "sample_pixels", given),
-        links=(
-            "scene.image > camera.image",
-            "camera.image > init.image",
-            "init.context > detector.context",
-            "init.magnitude > detector.magnitude",
-            "detector.magnitude > back.magnitude",
-            "init.phase > back.phase",
-            "back.image > pixels.image",
-        ),
+        {
+            "camera": ("camera", {"pitch_um": 12, "focal_length_mm": 10}),
+            "init": ("init_trans", {}),
+            "detector": ("detector_mtf", {}),
+            "back": ("back_transform", {}),
+            "pixels": ("sample_pixels", given),
+        },
         width=256,
         height=256,
         fov_x_deg=18.0,
@@ -110,16 +104,17 @@ def test_as_many_pixels_are_sampled_of_fewer_samples(library, given):
     assert small.mean() == pytest.approx(full.mean(), rel=0.01)
 
 
-def of_scene(kind, *nodes, links=(), **params):
-    scene = Node("scene", "test_scene", {"kind": kind, "width": 64, "height": 64, **params})
-    made = [Link.between(*each.split(" > ")) for each in links]
-    return Network(nodes={node.id: node for node in (scene, *nodes)}, links=tuple(made))
+def of_scene(kind, nodes, links=None, **params):
+    scene = {"kind": kind, "width": 64, "height": 64, **params}
+    return linked_network({"scene": ("test_scene", scene), **nodes}, links)
+
+
+COPY = {"copy": ("interpolate", {})}
 
 
 @pytest.mark.parametrize("kind", ["slanted_edge", "sine"])
 def test_scenes_drawn_smaller_are_the_means_of_blocks(library, kind):
-    network = of_scene(kind, Node("copy", "interpolate"), links=("scene.image > copy.image",))
-    full, small = both(network, 4, library)("copy.image")
+    full, small = both(of_scene(kind, COPY), 4, library)("copy.image")
     np.testing.assert_allclose(small, means_of_blocks(full, *small.shape), rtol=1e-12)
 
 
@@ -130,9 +125,8 @@ def test_a_camera_over_a_smaller_scene_has_larger_pixels(library, kind):
     params |= {"pitch_x_um": 10.0, "focal_length_mm": 10.0, "columns": 48, "rows": 40}
     if kind == "pushbroom":
         params |= {"velocity_m_per_s": 100.0, "line_rate_Hz": 100.0}
-    links, size = ("scene.image > camera.image",), {"width": 128, "height": 128}
-    camera = Node("camera", "camera_geometry", params)
-    network = of_scene("slanted_edge", camera, links=links, **size)
+    camera = {"camera": ("camera_geometry", params)}
+    network = of_scene("slanted_edge", camera, width=128, height=128)
     full, small = both(network, 2, library)("camera.image")
     assert (full.shape, small.shape) == ((40, 48), (20, 24))
     assert np.ptp(small) > 0.0
@@ -144,9 +138,7 @@ def test_a_scene_under_edit_is_drawn_smaller(library):
 
     The dormitory's foliage is drawn coarser then: measured 0.7 % of the range, 0.01 % of the mean.
     """
-    copy = Node("copy", "interpolate")
-    size = {"width": 1024, "height": 1024}
-    network = of_scene("dormitory", copy, links=("scene.image > copy.image",), **size)
+    network = of_scene("dormitory", COPY, width=1024, height=1024)
     plan = Engine(library).plan(network)
     assert reduced_network(plan, 4).nodes["scene"].params["width"] == 1024
     edited = reduced_network(plan, 4, edited={"scene"})
@@ -161,12 +153,8 @@ def test_a_scene_under_edit_is_drawn_smaller(library):
     "network",
     [
         Network(),
-        of_scene("uniform", width=4 * SMALLEST - 1),
-        of_scene(
-            "uniform",
-            Node("noise", "noise_file", {"path": "n.npy"}),
-            links=("scene.image > noise.image",),
-        ),
+        of_scene("uniform", {}, width=4 * SMALLEST - 1),
+        of_scene("uniform", {"noise": ("noise_file", {"path": "n.npy"})}),
     ],
 )
 def test_where_it_cannot_be_there_is_none(library, network, tmp_path):
@@ -184,8 +172,8 @@ def slow(qtbot):
     evaluator.ask("viewer", [Samples("slow.image")])
     network = of_scene(
         "two_panel",
-        Node("slow", "slow_copy", {"ns_per_sample": 1000.0}),
-        links=("scene.image > slow.image",),
+        {"slow": ("slow_copy", {"ns_per_sample": 1000.0})},
+        [("scene.image", "slow.image")],
         width=512,
         height=512,
     )
