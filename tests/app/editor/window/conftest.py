@@ -4,6 +4,8 @@ import pytest
 from PySide6.QtCore import QObject, QUrl, Slot
 from PySide6.QtGui import QDesktopServices
 
+from canvas_networks import chain_and_free_blur
+from core.editing.document import Document
 from snapshot_hands import PORT, Person
 from window_hands import WindowHands, show_small
 
@@ -14,6 +16,15 @@ def hand(window):
     made = WindowHands(window)
     made.begin()
     return made
+
+
+@pytest.fixture
+def chain(window, hand, library):
+    """A short chain and a free blur, laid out, in a document that counts as saved."""
+    window.session.open(Document(chain_and_free_blur(), library=library))
+    window.canvas.frame_all()
+    hand.focus()
+    return window.session
 
 
 @pytest.fixture

@@ -1,26 +1,15 @@
 """Dots on wires, put in, dragged and deleted with real events in the window."""
 
-import pytest
 from PySide6.QtCore import QPoint, QPointF
 from PySide6.QtWidgets import QMenu
 
 from canvas_networks import chain_and_free_blur
 from core.editing.backdrops import add_dot, dots_of
-from core.editing.document import Document
 from core.network.network import Link
 from window_hands import CTRL, KEY
 
 WIRE = Link.between("init.magnitude", "back.magnitude")
 OTHER = Link.between("scene.image", "init.image")
-
-
-@pytest.fixture
-def chain(window, hand, library):
-    """A short chain and a free blur, laid out, in a document that counts as saved."""
-    window.session.open(Document(chain_and_free_blur(), library=library))
-    window.canvas.frame_all()
-    hand.focus()
-    return window.session
 
 
 def dots(session, link=WIRE):

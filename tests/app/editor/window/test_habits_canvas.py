@@ -1,22 +1,10 @@
 """What a person's hands expect of the canvas, in the window as it is: real keys and mouse."""
 
-import pytest
 from PySide6.QtCore import QPoint
 
 from canvas_networks import chain_and_free_blur
-from core.editing.document import Document
 from core.network.network import Link
 from window_hands import CTRL, KEY, SHIFT
-
-
-@pytest.fixture
-def chain(window, hand, library):
-    """A short chain and a free blur, laid out, in a document that counts as saved."""
-    window.session.open(Document(chain_and_free_blur(), library=library))
-    window.canvas.frame_all()
-    hand.focus()
-    return window.session
-
 
 # --- adding ------------------------------------------------------------------------------------
 

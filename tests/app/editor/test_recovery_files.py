@@ -1,15 +1,96 @@
-"""Unsaved work survives: crashes, kills, full disks; and nobody's living work is taken for lost."""
+"""Recovery files as they may be found: without locks, damaged, strange, among other files."""
 
+import json
 import subprocess
 import sys
 
 import pytest
 
 from app.editor.recovery_files import Autosave, recoverable
+from app.run.shipped import shipped_networks
 from child_process import PATIENCE_S, ROOT, kill_program
+from core.atomic import take
 from core.editing.document import Document
 from core.editing.operations import remove_nodes
+from core.errors import NetworkError
+from core.network.file import read_network
 from core.network.network import Network, Node
+
+
+@pytest.fixture
+def kodak(library):
+    return read_network(shipped_networks()["kodak_kir310"], library=library)
+
+
+@pytest.fixture
+def folder(tmp_path):
+    return tmp_path / "state" / "recovery"
+
+
+def left_behind(folder, name="0123", **changes):
+    """A recovery file without a lock, as on a file system that knows none."""
+    fields = {
+        "format": "imagechain-recovery", "version": 1, "original": None, "time": 1e9,
+        "network": '{"format": "imagechain-network", "version": 1, "nodes": {}}',
+    }  # fmt: skip
+    folder.mkdir(parents=True, exist_ok=True)
+    file = folder / f"{name}.recovery"
+    file.write_text(json.dumps({**fields, **changes}))
+    return file
+
+
+def test_a_living_process_is_told_by_its_lock(folder, library):
+    file = left_behind(folder)
+    (work,) = recoverable(folder)
+    assert work.document(library).network == Network()
+    let_go = take(file.with_suffix(".lock"))
+    assert let_go is not None
+    assert recoverable(folder) == ()
+    let_go()
+    file.with_suffix(".lock").touch()
+    assert len(recoverable(folder)) == 1
+
+
+@pytest.mark.parametrize("content", [b"{", b"[" * 200_000])
+def test_a_damaged_file_is_told_and_can_be_discarded(folder, library, content):
+    good = left_behind(folder, "good")
+    bad = folder / "bad.recovery"
+    bad.write_bytes(content)
+    works = {work.file: work for work in recoverable(folder)}
+    assert works.keys() == {good, bad}
+    assert not works[good].problem
+    assert "damaged" in works[bad].problem
+    assert works[bad].original is None
+    with pytest.raises(NetworkError, match=r"bad\.recovery: the recovery file is damaged"):
+        works[bad].document(library)
+    works[bad].discard()
+    assert [work.file for work in recoverable(folder)] == [good]
+
+
+@pytest.mark.parametrize("changes", [{"format": "other"}, {"time": 1e300}])
+def test_strange_fields_are_told(folder, changes):
+    left_behind(folder, **changes)
+    (work,) = recoverable(folder)
+    assert work.problem
+    assert "\n" not in work.problem
+
+
+@pytest.mark.parametrize(
+    "network",
+    [
+        "no network",
+        '{"format": "imagechain-network", "version": 1, "nodes": {}, "links": [["a.b", "c.d"]]}',
+    ],
+)
+def test_a_network_that_cannot_be_worked_on_is_refused(folder, library, network):
+    left_behind(folder, network=network)
+    (work,) = recoverable(folder)
+    with pytest.raises(NetworkError):
+        work.document(library)
+
+
+# Unsaved work survives: crashes, kills, full disks; and nobody's living work is taken for lost.
+
 
 # Leaves work behind, as a process that ends without a word.
 CRASH = """
@@ -39,6 +120,7 @@ from pathlib import Path
 from app.editor.recovery_files import Autosave
 from core.editing.document import Document
 from core.editing.operations import set_network_field
+from core.network.file import read_network
 from core.network.network import Network, Node
 document = Document(Network("busy"), library={})
 autosave = Autosave(document, Path(sys.argv[1]))
@@ -48,11 +130,6 @@ for number in range(10**9):
     if number == 0:
         print("writing", flush=True)
 """
-
-
-@pytest.fixture
-def folder(tmp_path):
-    return tmp_path / "state" / "recovery"
 
 
 @pytest.fixture

@@ -12,12 +12,7 @@ CHAIN = linked_network(
         "scene": ("test_scene", {"width": 64, "height": 64}),
         "init": ("init_trans", {"f_number": 2.0}),
         "blur": ("gaussian_mtf", {"sigma_x_mrad": expression("init.f_number * 0.2")}),
-    },
-    (
-        ("scene.image", "init.image"),
-        ("init.context", "blur.context"),
-        ("init.magnitude", "blur.magnitude"),
-    ),
+    }
 )
 
 
