@@ -24,6 +24,17 @@ def small() -> dict:
 
 
 @pytest.fixture
+def two(small) -> dict:
+    """Two ends: the pixels, and noise on a picture of its own."""
+    small["nodes"] |= {
+        "other": {"module": "test_scene", "params": {"width": 16, "height": 16}},
+        "noisy": {"module": "poisson_noise"},
+    }
+    small["links"].append(["other.image", "noisy.image"])
+    return small
+
+
+@pytest.fixture
 def write(tmp_path):
     """Write a network file into the folder the command runs in."""
 

@@ -128,18 +128,8 @@ LINE = (
 )
 
 
-@pytest.fixture
-def two(small, write):
-    small["nodes"] |= {
-        "other": {"module": "test_scene", "params": {"width": 16, "height": 16}},
-        "noisy": {"module": "poisson_noise"},
-    }
-    small["links"].append(["other.image", "noisy.image"])
-    write(small)
-    return small
-
-
-def test_run_does_not_choose_among_two(two, works, tmp_path):
+def test_run_does_not_choose_among_two(two, write, works, tmp_path):
+    write(two)
     done = works("run", "net.json", "--output-dir", "out", "--save", "noisy.image=noisy.npy")
     assert f"no final.png: {LINE}" in done.stdout.splitlines()
     assert "no total MTF in mtf.csv: this network ends in 2 pictures" in done.stdout
@@ -148,7 +138,8 @@ def test_run_does_not_choose_among_two(two, works, tmp_path):
     assert (tmp_path / "noisy.npy").is_file()
 
 
-def test_final_on_the_command_line(two, imagechain, works, tmp_path):
+def test_final_on_the_command_line(two, write, imagechain, works, tmp_path):
+    write(two)
     done = works("run", "net.json", "--final", "pixels.image", "--output-dir", "one")
     assert "total" not in done.stdout
     assert "total.mtf_x" in (tmp_path / "one" / "mtf.csv").read_text()
@@ -168,7 +159,8 @@ def test_final_on_the_command_line(two, imagechain, works, tmp_path):
         ("init.context", "init has no picture context; its pictures: none"),
     ],
 )
-def test_a_wrong_final_is_one_line(two, fails, port, told):
+def test_a_wrong_final_is_one_line(two, write, fails, port, told):
+    write(two)
     line = fails("run", "net.json", "--final", port)
     assert line.startswith(f"imagechain: --final {port}: ")
     assert told in line
