@@ -5,19 +5,19 @@ import math
 
 import numpy as np
 import pytest
-from scipy.special import erf
 
 import imagechain as ic
+from edge_truth import gaussian_edge
 
 SIGMA = 0.9
 MTF50 = math.sqrt(math.log(2.0) / 2.0) / math.pi / SIGMA
 
 
-def edge(seed, angle=0.1):
-    y, x = np.mgrid[0:100, 0:120]
-    away = (x - 60.2) * math.cos(angle) + (y - 50) * math.sin(angle)
-    noise = 0.2 * np.random.default_rng(seed).standard_normal(away.shape)
-    return 80.0 + 20.0 * erf(away / (math.sqrt(2.0) * SIGMA)) + noise
+def edge(seed):
+    return gaussian_edge(
+        angle_deg=5.73, sigma=(SIGMA, SIGMA), shape=(100, 120), levels=(60.0, 100.0), points=1,
+        middle=(60.2, 50.0), noise=0.2, seed=seed,
+    )  # fmt: skip
 
 
 def test_arrays_and_files(tmp_path):

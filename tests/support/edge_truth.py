@@ -5,6 +5,9 @@ import math
 import numpy as np
 from scipy.special import erf
 
+from linked_network import document_of
+from node_bench import square_detectors
+
 
 def gaussian_edge(
     *, angle_deg, sigma, shape, levels=(1000.0, 4000.0), points=12, middle=None, noise=0.0, seed=0
@@ -44,27 +47,12 @@ fov_x = {fov}
 def blur_network(*, interval_mrad=0.1, size=64, **stages):
     """A chain with an ideal detector of square pixels and the given modules in series."""
     fov_deg = 2 * math.degrees(math.atan(size * interval_mrad / 2000))
+    scene = {"width": size, "height": size, "fov_x_deg": fov_deg, "fov_y_deg": fov_deg}
     nodes = {
-        "scene": {
-            "module": "test_scene",
-            "params": {"width": size, "height": size, "fov_x_deg": fov_deg, "fov_y_deg": fov_deg},
-        },
-        "init": {
-            "module": "init_trans",
-            "params": {
-                "detector_x_um": 10.0, "detector_y_um": 10.0, "f_number": 4.0,
-                "focal_length_mm": 10.0 / interval_mrad, "platform": "array",
-            },
-        },
-    }  # fmt: skip
-    links, last = [["scene.image", "init.image"]], "init"
-    for name, (module, params) in {**stages, "detector": ("detector_mtf", {})}.items():
-        nodes[name] = {"module": module, "params": params}
-        links += [["init.context", f"{name}.context"], [f"{last}.magnitude", f"{name}.magnitude"]]
-        last = name
-    nodes["back"] = {"module": "back_transform", "params": {}}
-    links += [["init.phase", "back.phase"], [f"{last}.magnitude", "back.magnitude"]]
-    return {
-        "format": "imagechain-network", "version": 1, "name": "blurs", "seed": 1,
-        "nodes": nodes, "links": links,
-    }  # fmt: skip
+        "scene": ("test_scene", scene),
+        "init": ("init_trans", square_detectors(10.0, 10.0 / interval_mrad, 4.0, platform="array")),
+        **stages,
+        "detector": ("detector_mtf", {}),
+        "back": ("back_transform", {}),
+    }
+    return document_of(nodes, name="blurs", seed=1)

@@ -6,7 +6,8 @@ import math
 import numpy as np
 import pytest
 from PIL import Image as Pillow
-from scipy.special import erf
+
+from edge_truth import gaussian_edge
 
 SIGMA_X, SIGMA_Y, NOISE, LOW, STEP = 0.8, 1.1, 0.4, 100.0, 60.0
 MTF50 = math.sqrt(math.log(2.0) / 2.0) / math.pi  # of a Gaussian, times its sigma
@@ -14,12 +15,11 @@ MTF50 = math.sqrt(math.log(2.0) / 2.0) / math.pi  # of a Gaussian, times its sig
 
 def edge(angle_deg, sigma, seed, shape=(160, 200)):
     """An edge of Gaussian blur, in closed form, with white noise; its normal at that angle."""
-    rows, columns = shape
-    y, x = np.mgrid[0:rows, 0:columns]
-    angle = math.radians(angle_deg)
-    away = (x - columns / 2 + 0.3) * math.cos(angle) + (y - rows / 2) * math.sin(angle)
-    noise = NOISE * np.random.default_rng(seed).standard_normal(shape)
-    return LOW + STEP * (1.0 + erf(away / (math.sqrt(2.0) * sigma))) / 2.0 + noise
+    middle, levels = (shape[1] / 2 - 0.3, shape[0] / 2), (LOW, LOW + STEP)
+    return gaussian_edge(
+        angle_deg=angle_deg, sigma=(sigma, sigma), shape=shape, levels=levels, points=1,
+        middle=middle, noise=NOISE, seed=seed,
+    )  # fmt: skip
 
 
 def gaussian(frequency, sigma):
