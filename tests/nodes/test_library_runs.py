@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from app.run.shipped import shipped_networks
 from battery_settings import EXAMPLES, NEUTRAL
-from child_process import ROOT
 from core.chain.engine import Engine
 from core.chain.wires import Image, transfer_plane
 from core.errors import ImagechainError, ParameterError
@@ -19,7 +19,6 @@ from core.evaluation.recipes import Step, content_key
 from core.evaluation.work import Policy
 from core.modules.declaration import NodeContext
 from core.modules.parameters import plain
-from core.network.file import load_network
 from core.network.network import Network, Node, passed_through
 from core.transfer.factors import Law, Separable
 from library_battery import (
@@ -32,7 +31,7 @@ from library_battery import (
     network,
     planned,
 )
-from library_battery import network as battery_network
+from node_bench import shipped_bench
 from thorough import examples
 
 
@@ -175,9 +174,6 @@ class TestParameters:
 # --- Every step that makes a picture says what becomes of one in it ---
 
 
-SHIPPED = sorted((ROOT / "networks").glob("*.json"))
-
-
 def of_plan(plan) -> set[object]:
     """Functions of the steps that pictures are made by, and of those that they stem from."""
     functions = set()
@@ -204,11 +200,9 @@ def test_every_step_of_a_module(key, folder):
     assert not undeclared(of_plan(plan))
 
 
-@pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
-def test_every_step_of_a_shipped_network(path):
-    engine = Engine(LIBRARY)
-    plan = engine.plan(load_network(path, library=LIBRARY), folder=path.parent)
-    functions = of_plan(plan)
+@pytest.mark.parametrize("name", shipped_networks())
+def test_every_step_of_a_shipped_network(name):
+    functions = of_plan(shipped_bench(name).plan)
     assert functions
     assert not undeclared(functions)
 
@@ -242,7 +236,7 @@ BEYOND = {
 def test_it_is_refused_on_its_node_when_planned(key, folder):
     settings, line = BEYOND[key]
     params = {**EXAMPLES[key], **settings}
-    plan = Engine(LIBRARY).plan(battery_network(key, params), folder=folder)
+    plan = Engine(LIBRARY).plan(network(key, params), folder=folder)
     assert isinstance(plan.nodes["it"].error, ParameterError)
     assert [str(error) for error in plan.errors()] == [line]
 

@@ -20,17 +20,16 @@ from app.run.preset_files import (
     shipped_presets,
 )
 from app.run.shipped import find_network
-from core.chain.engine import Engine
 from core.editing.document import Document
 from core.editing.macros import group
 from core.editing.operations import rename_node
 from core.errors import ImagechainError
-from core.evaluation.work import Policy
 from core.modules.declaration import declaration
 from core.network.file import load_network, read_network
 from core.network.macro import expanded
 from core.network.network import Link, Network, Node
 from core.network.validation import problems
+from node_bench import NodeBench
 from nodes.files.curve_tables import read_wavelengths
 from nodes.library import standard_library
 
@@ -41,11 +40,10 @@ ONE = {"module": "init_trans"}
 SCENE = {"width": 64, "height": 64, "fov_x_deg": 2.5, "fov_y_deg": 2.5, **LWIR}
 
 
-def readouts(network, node):
-    engine = Engine(LIBRARY)
-    plan = engine.plan(expanded(network, LIBRARY))
-    assert not plan.errors()
-    return engine.readouts(plan, node, engine.work(Policy("double")))
+def bench_of(network):
+    bench = NodeBench(None, expanded(network, LIBRARY))
+    assert not bench.plan.errors()
+    return bench
 
 
 def before_a_scene(stem):
@@ -113,12 +111,9 @@ TODAY = [
 @pytest.mark.parametrize("stem", TODAY)
 def test_a_camera_of_today_runs_without_a_warning(stem):
     network, sensor = in_a_chain(stem)
-    engine = Engine(LIBRARY)
-    plan = engine.plan(expanded(network, LIBRARY))
-    assert not plan.errors()
-    work = engine.work(Policy("double"))
-    assert engine.readouts(plan, sensor, work)["snr"] > 3.0
-    assert [str(one) for one in engine.warnings(plan, work)] == []
+    bench = bench_of(network)
+    assert bench.readouts(sensor)["snr"] > 3.0
+    assert [str(one) for one in bench.warnings()] == []
 
 
 @pytest.mark.parametrize(
@@ -132,7 +127,7 @@ def test_a_satellite_sees_its_published_pixel_on_the_ground_for_as_long_as_it_cr
     stem, ground_m, within
 ):
     network, sensor = in_a_chain(f"satellite_{stem}")
-    camera = readouts(network, sensor.replace("focal_plane", "camera"))
+    camera = bench_of(network).readouts(sensor.replace("focal_plane", "camera"))
     assert camera["gsd_x_m"] == pytest.approx(ground_m, rel=within)
     nodes = SHIPPED[f"satellite_{stem}"].body.nodes
     radius_m = 6.378e6 + 1e3 * nodes["camera"].params["altitude_km"]
@@ -159,12 +154,12 @@ def test_a_material_counts_by_its_file_from_any_folder(tmp_path):
 def test_the_uncooled_camera_has_the_figures_of_its_specification():
     """640 × 512 of 17 µm behind 25 mm: 24.6° × 19.8°, a Nyquist of 735 per rad; 50 mK at F/1."""
     network, name = before_a_scene("camera_flir_tau2_640_25mm")
-    init = readouts(network, f"{name}/init")
+    init = bench_of(network).readouts(f"{name}/init")
     assert init["ifov_x_mrad"] == pytest.approx(17e-3 / 25 * 1e3)
-    optics = readouts(network, f"{name}/optics")
+    optics = bench_of(network).readouts(f"{name}/optics")
     assert optics["cutoff_x"] == pytest.approx(25 / 1.1 / 10.5, rel=1e-3)  # aperture/λ
     at_f1 = network.with_parameter(name, "f_number", 1.0)
-    netd = readouts(at_f1, f"{name}/electronics")["netd_detector_K"]
+    netd = bench_of(at_f1).readouts(f"{name}/electronics")["netd_detector_K"]
     assert netd == pytest.approx(0.050, rel=1e-3)
 
 

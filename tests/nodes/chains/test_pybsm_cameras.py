@@ -12,10 +12,8 @@ import pytest
 
 from app.bench.peers import load, why_missing
 from app.bench.timing import sensor_network
-from core.chain.engine import Engine
-from core.evaluation.work import Policy
 from core.physics.radiometry.planck import band_radiance
-from nodes.library import standard_library
+from node_bench import NodeBench
 
 SAMPLES = 2001
 
@@ -67,13 +65,12 @@ def of_ours(camera: Camera) -> dict[str, float]:
         "focal_length_mm": camera.focal_length_mm, "f_number": camera.f_number,
         "obscuration_ratio": camera.obscuration_ratio, "platform": "array",
     }  # fmt: skip
-    engine = Engine(standard_library())
     found = []
     for kelvin in camera.scenes_K:
         scene = {"kind": "uniform", "width": 4, "height": 4, "temperature_K": kelvin, **band}
         plane = {"camera": ("focal_plane", camera.plane)}
-        plan = engine.plan(sensor_network(("test_scene", scene), sensor, {}, plane))
-        found.append(engine.readouts(plan, "camera", engine.work(Policy("double"))))
+        network = sensor_network(("test_scene", scene), sensor, {}, plane)
+        found.append(NodeBench(None, network).readouts("camera"))
     bright, dim = (float(one["signal_e"]) for one in found)
     noise = float(found[0]["temporal_noise_e"])
     return {"electrons": bright, "noise": noise, "contrast SNR": (bright - dim) / noise}
