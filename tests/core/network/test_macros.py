@@ -200,6 +200,17 @@ def test_bad_macros_give_one_clear_line(path, value, begins, document):
     assert not any("\n" in line for line in found)
 
 
+def test_a_cycle_of_disabled_macros_comes_to_an_end(document):
+    """Each passes on what the other does: there is no picture to be had."""
+    document["nodes"]["other"] = copy.deepcopy(document["nodes"]["camera"])
+    for name, feeds in (("camera", "other"), ("other", "camera")):
+        document["nodes"][name]["disabled"] = True
+        document["links"].append([f"{name}.image", f"{feeds}.image"])
+    del document["links"][0]
+    assert any("the links form a cycle" in line for line in faults(document))
+    assert not expanded(read(document), LIBRARY).links
+
+
 def test_a_cycle_through_a_macro(document):
     document["nodes"]["camera"]["macro"]["inputs"]["light"] = "pixels.image"
     inside(document)["nodes"]["pixels"] = {"module": "combine_pixels"}

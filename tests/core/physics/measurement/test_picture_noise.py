@@ -11,7 +11,11 @@ from scipy import special
 from camera_scenes import box, turned
 from core.errors import DataError
 from core.physics.measurement.flat_blocks import variance_line
-from core.physics.measurement.picture_noise import SceneFrames, noise_of_picture
+from core.physics.measurement.picture_noise import (
+    SceneFrames,
+    _common_variance,
+    noise_of_picture,
+)
 from oversampled_camera import Camera, digitized, sampled, true_sigma
 from oversampled_scene import Scene, Shape, render
 
@@ -371,3 +375,18 @@ def test_what_is_not_known_well_is_withheld_with_its_value():
     assert noise.sigma is not None
     assert noise.gain_e_per_dn is None
     assert "at 99 % confidence; allowed: at most 5 %" in noise.gain_reason
+
+
+@pytest.mark.parametrize("own", [0.0, 0.5, 4.0, 100.0])
+@pytest.mark.parametrize("outliers", [0, 60, 300])
+def test_a_variance_common_to_lines_is_found_beyond_chance_and_despite_outliers(own, outliers):
+    """Squares of evenly spread normal deviates, and of edges that are no noise."""
+    many = 1000 + outliers
+    deviate = special.ndtri((np.random.default_rng(1).permutation(many) + 0.5) / many)
+    chance = np.linspace(1.0, 3.0, many)
+    square = (own + chance) * deviate**2
+    square[:outliers] = 1e4 * (own + 3.0)
+    found, error = _common_variance(square, chance)
+    expected = math.sqrt(2.0 / np.sum(1.0 / (own + chance) ** 2))
+    assert found == pytest.approx(own, abs=2.0 * expected)
+    assert error == pytest.approx(expected, rel=0.2)
