@@ -130,6 +130,10 @@ def test_a_chunk_that_is_not_there_is_missing_samples(tmp_path, monkeypatch, how
     truth = np.where(cube[1] == 0.0, np.nan, cube[1])
     assert read_info(path).absent_chunks == 3 // how.get("shards", how["chunks"])[0]
     np.testing.assert_array_equal(read_pixels(path, 1), truth)
+    whole = stored(tmp_path / "b.zarr", 1 + cube, **how)
+    assert read_info(whole).absent_chunks == 0
+    (whole / "a file of another's").write_text("")
+    assert read_info(whole).absent_chunks == 0
 
 
 @pytest.mark.parametrize("packing", ["gzip", "zlib", "blosc"])
