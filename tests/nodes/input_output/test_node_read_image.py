@@ -8,6 +8,8 @@ import zarr
 
 from core.errors import DataError, FileError, ParameterError
 from node_bench import NodeBench
+from nodes.files.picture_info import PictureInfo
+from nodes.input_output.read_image import header_band
 from picture_samples import envi as write_envi
 
 
@@ -213,3 +215,22 @@ def test_a_picture_of_nothing_has_no_mean(tmp_path):
     np.save(tmp_path / "a.npy", np.full((3, 4), np.nan))
     with pytest.raises(DataError, match="none of the 12 samples is finite"):
         reading(tmp_path, path="a.npy", missing="mean").value("in.image")
+
+
+@pytest.mark.parametrize(
+    ("wavelengths", "fwhm", "band", "expected"),
+    [
+        ((4.0, 10.0), (1.0, 2.0), 0, (3.5, 4.5)),
+        ((4.0, 10.0), (1.0, 2.0), 1, (9.0, 11.0)),
+        ((4.0, 10.0), (1.0, 2.0), (0, 1), None),  # a sum of bands
+        (None, (1.0, 2.0), 0, None),
+        ((4.0, 10.0), None, 0, None),
+        ((4.0,), (8.0,), 0, None),  # would begin at 0
+        ((4.0,), (7.9,), 0, (0.05, 7.95)),
+    ],
+)
+def test_the_band_that_a_header_gives(tmp_path, wavelengths, fwhm, band, expected):
+    info = PictureInfo(
+        tmp_path, 1, 1, 2, "float32", "envi", wavelengths_um=wavelengths, fwhm_um=fwhm
+    )
+    assert header_band(info, band) == (None if expected is None else pytest.approx(expected))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.special import erf
 
-from core.physics.measurement.edge_search import find_edges
+from core.physics.measurement.edge_search import _medians, find_edges
 from core.physics.measurement.found_edge import FoundEdge, edge_samples, without_those_at
 from core.physics.measurement.ridges import spread_out
 from edge_pictures import edge_picture
@@ -216,3 +216,18 @@ def test_a_soft_edge_without_noise_is_not_clipped_where_its_sides_are_level():
     picture = gaussian_edge(angle_deg=5.0, sigma=(1.8, 1.8), shape=(128, 128), levels=(40.5, 47.3))
     (edge,) = find_edges(picture=picture.astype(np.float32).astype(float))
     assert (edge.used, edge.why_not) == (True, "")
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_medians_over_cells_of_the_means_at_each_distance(seed):
+    """Against sums by hand; also of cells and distances without a sample, odd and even counts."""
+    random, (cells, size) = np.random.default_rng(seed), (5 + seed, 7)
+    cell, distance = random.integers(0, cells, 60), random.integers(0, size - 1, 60)
+    value = random.normal(10.0, 1.0, 60)
+    expected = []
+    for place in range(size):
+        own = [value[(cell == one) & (distance == place)] for one in range(cells)]
+        known = [one.mean() for one in own if len(one)]
+        expected.append(np.median(known) if known else np.median(value))
+    found = _medians(cell * size + distance, value, cells, size)
+    np.testing.assert_allclose(found, expected, rtol=1e-13)
