@@ -34,15 +34,18 @@ def test_not_a_network(text, fails, tmp_path):
     assert "net.json" in fails("run", "net.json")
 
 
-def test_tells_how_many_more(fails, imagechain, write, small):
-    small["nodes"]["blur"]["params"] |= {"sigma_x_mrad": -1, "sigma_y_mrad": -1}
-    small["nodes"]["jitter"]["params"]["sigma_mrad"] = -1
+@pytest.mark.parametrize("count", [1, 2, 3])
+def test_tells_how_many_more(fails, imagechain, write, small, count):
+    wrong = [("blur", "sigma_x_mrad"), ("blur", "sigma_y_mrad"), ("jitter", "sigma_mrad")]
+    for node, name in wrong[:count]:
+        small["nodes"][node]["params"][name] = -1
     write(small)
     line = fails("run", "net.json")
-    assert line.endswith(" (and 2 more: imagechain check lists them)\n")
+    told = f" (and {count - 1} more: imagechain check lists them)\n"
+    assert line.endswith(told) if count > 1 else "more:" not in line
     done = imagechain("check", "net.json")
     assert done.returncode == 2
-    assert len(done.stdout.splitlines()) == 3
+    assert len(done.stdout.splitlines()) == count
     first = "blur: sigma_x_mrad = -1 mrad is not allowed: must be a number of at least 0"
     assert done.stderr == f"imagechain: net: 3 errors, the first: {first}\n"
 
