@@ -115,7 +115,7 @@ def geometry_table(
         error = strips_error(scene=scene, laid=laid, finer=finer, between_samples=between_samples)
     where = "edge of the ground coverage, measured from the scene's centre"
     samples = "scene samples per camera sample at the centre"
-    return TableData.of(
+    return CameraGeometry.figures.table(
         ("swath_m", swath_m(camera), "m", "swath width at the middle line"),
         ("left_m", left, "m", where),
         ("right_m", right, "m", where),
@@ -124,10 +124,8 @@ def geometry_table(
         ("scene_samples_x", across / x, "", f"{samples}, across the track"),
         ("scene_samples_y", along / y, "", f"{samples}, along the track"),
         ("strips", laid.strips, "", "strips per footprint"),
-        ("footprint_error", error, "",
-         "largest change when footprints are cut into four times as many strips, as "
-         "a fraction of the scene's peak-to-peak signal"),
-    )  # fmt: skip
+        ("footprint_error", error),
+    )
 
 
 class CameraOutputs(NamedTuple):

@@ -110,15 +110,10 @@ def compared(work: Work, image: Array, reference: Array, *, unit: str) -> TableD
     peak = float(reference.max()) - float(reference.min())
     psnr_dB = 20.0 * math.log10(peak / rmse) if rmse > 0.0 and peak > 0.0 else None
     mean = math.fsum(sums) / image.size
-    return TableData.of(
+    return CompareImages.figures.table(
         ("rmse", rmse, unit, "root mean square difference"),
         ("max_error", largest, unit, "largest difference"),
-        (
-            "psnr_dB",
-            psnr_dB,
-            "dB",
-            "peak-to-peak range of the reference divided by the rms difference",
-        ),
+        ("psnr_dB", psnr_dB),
         ("mean_difference", mean, unit, "mean of image minus reference"),
     )
 

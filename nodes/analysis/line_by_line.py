@@ -72,13 +72,10 @@ def difference_table(
     worst, worst_rms = int(np.argmax(largest)), int(np.argmax(rms))
     scale = float(rms.max())
     total = scale * math.sqrt(float(np.mean((rms / scale) ** 2))) if scale > 0.0 else 0.0
-    return wires.TableData.of(
-        ("rms_percent", total * percent, "%",
-         "rms difference, as a fraction of the picture's peak-to-peak range"),
-        ("max_percent", float(largest[worst]) * percent, "%",
-         "largest difference, as a fraction of the picture's peak-to-peak range"),
-        ("max_view_deg", float(degrees[worst]), "deg", "view angle at which the "
-        "difference is largest"),
+    return LineByLine.figures.table(
+        ("rms_percent", total * percent),
+        ("max_percent", float(largest[worst]) * percent),
+        ("max_view_deg", float(degrees[worst])),
         ("rms_worst_percent", scale * percent, "%",
          "largest rms difference at one view angle, as a fraction of the picture's peak-to-peak "
          "range"),
@@ -90,16 +87,12 @@ def difference_table(
          "largest difference between line-by-line and whole-image filtering"),
         ("view_first_deg", float(degrees[0]), "deg", "view angle of a line's first sample"),
         ("view_last_deg", float(degrees[-1]), "deg", "view angle of a line's last sample"),
-        ("interval_nadir_mrad", max(intervals_mrad), "mrad",
-         "sampling interval along the track, nearest nadir"),
-        ("interval_edge_mrad", min(intervals_mrad), "mrad",
-         "sampling interval along the track, farthest from nadir"),
-        ("scale_nodes", nodes, "",
-         "number of sampling intervals at which non-separable factors were computed"),
+        ("interval_nadir_mrad", max(intervals_mrad)),
+        ("interval_edge_mrad", min(intervals_mrad)),
+        ("scale_nodes", nodes),
         ("response_error", response_error, "",
          "largest interpolation error of the transfer function"),
-        ("error_percent", picture_error * percent, "%",
-         "estimated interpolation error, as a fraction of the picture's peak-to-peak range"),
+        ("error_percent", picture_error * percent),
     )  # fmt: skip
 
 

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from core.chain.wires import Curve, CurveData, Image, Series, Table, TableData, TableRow
+from core.chain.wires import Curve, CurveData, Image, Series, Table, TableData
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe
 from core.evaluation.work import Work
@@ -108,11 +108,11 @@ class Noise3D(Module, key="noise_3d", title="3-D Noise", group="Analysis"):
         return NoiseOutputs(Curve(bars), Table(table))
 
     figures = TableFigures(
-        *((f"sigma_{n}", "", f"{MEANINGS[n].capitalize()}, predicted.") for n in COMPONENTS),
-        ("temporal", "", "All temporal noise, predicted."),
-        ("fixed", "", "All fixed-pattern noise, predicted."),
-        ("temporal_measured", "", "All temporal noise, measured."),
-        ("fixed_measured", "", "All fixed-pattern noise, measured."),
+        *((f"sigma_{n}", None, f"{MEANINGS[n].capitalize()}, predicted.") for n in COMPONENTS),
+        ("temporal", None, "All temporal noise, predicted."),
+        ("fixed", None, "All fixed-pattern noise, predicted."),
+        ("temporal_measured", None, "All temporal noise, measured."),
+        ("fixed_measured", None, "All fixed-pattern noise, measured."),
         unit_of="image",
     )
 
@@ -166,38 +166,33 @@ def noise_of_frames(frames: Iterator[NDArray[Any]], clean: NDArray[Any]) -> Meas
 
 def table_of(work: Work, *noises: ImageNoise | MeasuredNoise, unit: str) -> TableData:
     predicted, measured = _kinds(noises)
-    rows = []
+    rows: list[tuple[Any, ...]] = []
     expected = None if predicted is None else predicted.total
     for name in COMPONENTS:
-        meaning = MEANINGS[name]
         if expected is not None:
-            value = expected.sigma(name)
-            rows.append(TableRow(f"sigma_{name}", value, unit, f"{meaning}, predicted"))
+            rows.append((f"sigma_{name}", expected.sigma(name)))
         if measured is not None:
             value, error = measured.variances.sigma(name), measured.errors.variance(name)
-            rows.append(TableRow(f"sigma_{name}_measured", value, unit, f"{meaning}, measured"))
+            rows.append((f"sigma_{name}_measured", value, unit, f"{MEANINGS[name]}, measured"))
             # The error of a root by that of its square; of one next to nothing the root of it.
             spread = error / (2.0 * abs(value)) if value * value > error else error**0.5
-            rows.append(TableRow(f"sigma_{name}_error", spread, unit, "its standard error"))
+            rows.append((f"sigma_{name}_error", spread, unit, "its standard error"))
     if expected is not None:
-        rows += [
-            TableRow("temporal", expected.temporal**0.5, unit, "temporal noise, predicted"),
-            TableRow("fixed", expected.fixed**0.5, unit, "fixed-pattern noise, predicted"),
-        ]
+        rows += [("temporal", expected.temporal**0.5), ("fixed", expected.fixed**0.5)]
     if measured is not None:
         of_time, fixed = measured.variances.temporal, measured.variances.fixed
         rows += [
-            TableRow("temporal_measured", max(of_time, 0.0) ** 0.5, unit, "temporal noise"),
-            TableRow("fixed_measured", max(fixed, 0.0) ** 0.5, unit, "fixed-pattern noise"),
+            ("temporal_measured", max(of_time, 0.0) ** 0.5),
+            ("fixed_measured", max(fixed, 0.0) ** 0.5),
         ]
     if predicted is not None:
-        rows.append(TableRow("mean", predicted.mean, unit, "mean of the picture without noise"))
+        rows.append(("mean", predicted.mean, unit, "mean of the picture without noise"))
     elif measured is not None:
         rows += [
-            TableRow("mean", measured.mean, unit, "mean of all frames"),
-            TableRow("frames", measured.frames, "", "frames in the file"),
+            ("mean", measured.mean, unit, "mean of all frames"),
+            ("frames", measured.frames, "", "frames in the file"),
         ]
-    return TableData(tuple(rows))
+    return Noise3D.figures.table(*rows, unit=unit)
 
 
 def _kinds(

@@ -6,7 +6,7 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from core.chain.wires import Curve, CurveData, Image, Series, Table, TableData, TableRow
+from core.chain.wires import Curve, CurveData, Image, Series, Table, TableData
 from core.evaluation.recipes import ends_lineage
 from core.evaluation.work import Work
 from core.modules.declaration import Formula, Module, NodeContext, Section, param
@@ -206,61 +206,48 @@ def budget_table(
     rows = [row for share in noise.shares for row in _source_rows(share, unit)]
     if not noise.shares:
         what = "noise" if kind == "all" else f"{kind} noise"
-        rows.append(TableRow("noise", "none", "", f"this picture has no {what}"))
-    rows += [
-        TableRow("sigma", noise.sigma, unit, "all noise"),
-        TableRow("sigma_temporal", noise.temporal, unit, "all temporal noise"),
-        TableRow("sigma_fixed", noise.fixed, unit, "all fixed-pattern noise"),
-        TableRow("mean", noise.mean, unit, "mean of the noise-free picture"),
-    ]
-    rows += _blur_rows(blur, **seen)
-    return TableData(tuple(rows))
+        rows.append(("noise", "none", "", f"this picture has no {what}"))
+    return NoiseBudget.figures.table(
+        *rows,
+        ("sigma", noise.sigma),
+        ("sigma_temporal", noise.temporal),
+        ("sigma_fixed", noise.fixed),
+        ("mean", noise.mean, unit, "mean of the noise-free picture"),
+        *_blur_rows(blur, **seen),
+        unit=unit,
+    )
 
 
-def _source_rows(share: NoiseShare, unit: str) -> Iterable[TableRow]:
+def _source_rows(share: NoiseShare, unit: str) -> Iterable[tuple[Any, ...]]:
     name, words = f"{share.node}.{share.name}", source_words(share.name)
     for kind, sigma, part in (
         ("temporal", share.temporal, share.share_temporal),
         ("fixed", share.fixed, share.share_fixed),
     ):
         if sigma is not None:
-            yield TableRow(f"{name}.{kind}", sigma, unit, f"σ of {words}, {kind}")
-            yield TableRow(
-                f"{name}.{kind}_share",
-                100.0 * part,
-                "%",
-                "share of the variance of all noise in the budget",
-            )
+            yield f"{name}.{kind}", sigma, unit, f"σ of {words}, {kind}"
+            meaning = "share of the variance of all noise in the budget"
+            yield f"{name}.{kind}_share", 100.0 * part, "%", meaning
 
 
 def _blur_rows(
     blur: BlurShares, *, frequency: tuple[float, float], before: str | None
-) -> list[TableRow]:
+) -> Iterable[tuple[Any, ...]]:
     nodes = [stage.node for stage in blur]
-    rows = []
     for stage in blur:
         name = stage.node if nodes.count(stage.node) == 1 else f"{stage.node}.{_snake(stage.label)}"
         for axis, direction in ((0, "x"), (1, "y")):
-            meaning = f"|MTF| of {stage.label}"
-            rows.append(TableRow(f"{name}.mtf_{direction}", stage.mtf[axis], "", meaning))
-            share = 100.0 * stage.share[axis]
-            rows.append(
-                TableRow(
-                    f"{name}.share_{direction}", share, "%", "share of −ln |MTF| of all stages"
-                )
-            )
-    if not rows:
-        rows.append(TableRow("blur", "none", "", "all stages have a transfer function of 1"))
-    for axis, direction, words in ((0, "x", "horizontal"), (1, "y", "vertical")):
-        mtf = mtf_of_all(blur, axis)
-        rows.append(TableRow(f"mtf_{direction}", mtf, "", f"{words} |MTF| of all stages"))
-    for axis, name, words in ((0, "xi", "horizontal"), (1, "eta", "vertical")):
-        meaning = f"{words} frequency at which the MTFs are given"
-        rows.append(TableRow(name, frequency[axis], "cyc/mrad", meaning))
+            yield f"{name}.mtf_{direction}", stage.mtf[axis], "", f"|MTF| of {stage.label}"
+            share, meaning = 100.0 * stage.share[axis], "share of −ln |MTF| of all stages"
+            yield f"{name}.share_{direction}", share, "%", meaning
+    if not blur:
+        yield "blur", "none", "", "all stages have a transfer function of 1"
+    yield "mtf_x", mtf_of_all(blur, 0)
+    yield "mtf_y", mtf_of_all(blur, 1)
+    yield from zip(("xi", "eta"), frequency, strict=True)
     if before is not None:
         meaning = "the transfer functions up to and including this stage are unknown"
-        rows.append(TableRow("blur_behind", before, "", meaning))
-    return rows
+        yield "blur_behind", before, "", meaning
 
 
 def _snake(label: str) -> str:
@@ -332,15 +319,13 @@ class NoiseBudget(Module, key="noise_budget", title="Noise Budget", group="Analy
             Table(here.step(budget_table, noise, blur, **noise_kind, **seen)),
         )
 
-    figures_0 = TableFigures(
-        ("sigma", "", "Standard deviation of all noise."),
-        ("sigma_temporal", "", "Standard deviation of all temporal noise."),
-        ("sigma_fixed", "", "Standard deviation of all fixed-pattern noise."),
-        unit_of="image",
-    )
-    figures_1 = TableFigures(
+    figures = TableFigures(
+        ("sigma", None, "Standard deviation of all noise."),
+        ("sigma_temporal", None, "Standard deviation of all temporal noise."),
+        ("sigma_fixed", None, "Standard deviation of all fixed-pattern noise."),
         ("mtf_x", "", "Horizontal MTF of all stages, at the budget's frequency."),
         ("mtf_y", "", "Vertical MTF of all stages, at the budget's frequency."),
         ("xi", "cyc/mrad", "Horizontal frequency at which the blur is budgeted."),
         ("eta", "cyc/mrad", "Vertical frequency at which the blur is budgeted."),
+        unit_of="image",
     )

@@ -156,14 +156,13 @@ def kernel_table(_: Work, kernels: Kernels) -> TableData:
     lines = [kernel for kernel in kernels.passes if min(kernel.taps.shape) == 1]
     across = sum(kernel.taps.size for kernel in lines if kernel.taps.shape[0] == 1)
     along = sum(kernel.taps.size for kernel in lines if kernel.taps.shape[0] > 1)
-    return TableData.of(
-        ("taps", kernels.taps, "", "multiplications per sample"),
+    return SpatialBlur.figures.table(
+        ("taps", kernels.taps),
         ("taps_x", across, "", "multiplications per sample in the pass along x"),
         ("taps_y", along, "", "multiplications per sample in the pass along y"),
         ("taps_plane", sum(k.taps.size for k in planes), "",
          "multiplications per sample with the two-dimensional kernel"),
-        ("error_bound", kernels.error_bound, "",
-         "upper bound on the error, as a fraction of the scene's largest deviation from its mean"),
+        ("error_bound", kernels.error_bound),
     )  # fmt: skip
 
 

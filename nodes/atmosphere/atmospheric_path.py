@@ -413,9 +413,9 @@ def path_table(
     depth = optical_depth(transmission=transmission) if transmission > 0.0 else None
     weighted_by = None if air.is_grey else (scene_K[0] if scene_K else source_K)
     rows: list[tuple[Any, ...]] = [
-        ("transmission", transmission, "", "mean transmission over the band"),
-        ("path_radiance", radiance, "W/m²/sr", "path radiance, integrated over the band"),
-        ("optical_depth", depth, "", "−ln of the mean transmission; empty if no light passes"),
+        ("transmission", transmission),
+        ("path_radiance", radiance),
+        ("optical_depth", depth),
         ("range_m", air.range_m, "m", "range for which the transmission holds"),
         ("weighted_by_K", weighted_by, "K",
          "temperature of the black body whose spectrum weights the mean"),
@@ -426,7 +426,7 @@ def path_table(
         at = f"at {place:.4g} µm"
         rows.append((f"transmission_{place:.6g}_um", float(passed), "", at))
         rows.append((f"path_radiance_{place:.6g}_um", float(added), "W/m²/sr/µm", at))
-    return TableData.of(*rows)
+    return AtmosphericPath.figures.table(*rows)
 
 
 def _places(points: tuple[tuple[float, float], ...], low: float, high: float) -> Array:

@@ -307,10 +307,9 @@ def bright_caution(work: Work, image: Array, *, share: float) -> Caution | None:
 def light_table(work: Work, *, light: Sunlight, band_um: tuple[float, float]) -> TableData:
     total = light.over_band(*band_um)
     lux = light.unscaled_lux if light.illuminance_lux is None else light.illuminance_lux
-    return TableData.of(
-        ("irradiance", total, "W/m²", "irradiance from sun and sky on a horizontal surface"),
+    return ReflectedLight.figures.table(
+        ("irradiance", total),
         ("white_radiance", total / math.pi, "W/m²/sr", "radiance of a surface of reflectance 1"),
-        ("illuminance", lux, "lx", "illuminance on a horizontal surface"),
-        ("air_mass", relative_air_mass(elevation_deg=light.elevation_deg), "",
-         "the Sun's path through the air, relative to a vertical path"),
-    )  # fmt: skip
+        ("illuminance", lux),
+        ("air_mass", relative_air_mass(elevation_deg=light.elevation_deg)),
+    )

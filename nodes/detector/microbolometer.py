@@ -474,19 +474,14 @@ def figures(
     def in_kelvin(noise: float) -> float | None:
         return noise / slope if slope else None
 
-    return TableData.of(
-        ("netd_K", in_kelvin(temporal), "K", "temporal noise as a temperature difference"),
-        ("white_netd_K", in_kelvin(white), "K", "white noise alone"),
-        ("flicker_K", in_kelvin(flicker), "K", "1/f noise alone"),
-        ("quantization_K", in_kelvin(rounding), "K", "quantization noise alone"),
-        (
-            "fixed_pattern_K",
-            in_kelvin(pattern),
-            "K",
-            "fixed-pattern noise from non-uniform gain and offset",
-        ),
-        ("noise_radiance", temporal, "W/m²/sr", "temporal noise as scene radiance"),
-        ("snr", mean / temporal if temporal else None, "", "mean signal over temporal noise"),
-        ("scene_K", kelvin, "K", "brightness temperature of the picture's mean"),
-        ("lag_percent", 100.0 * kept, "%", "fraction of a change that remains after one frame"),
+    return Microbolometer.figures.table(
+        ("netd_K", in_kelvin(temporal)),
+        ("white_netd_K", in_kelvin(white)),
+        ("flicker_K", in_kelvin(flicker)),
+        ("quantization_K", in_kelvin(rounding)),
+        ("fixed_pattern_K", in_kelvin(pattern)),
+        ("noise_radiance", temporal),
+        ("snr", mean / temporal if temporal else None),
+        ("scene_K", kelvin),
+        ("lag_percent", 100.0 * kept),
     )

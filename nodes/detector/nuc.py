@@ -155,15 +155,13 @@ class Nuc(SeededModule, key="nuc", title="Non-Uniformity Correction", group="Det
             "move this node after the camera's modules, such as Focal Plane",
         )
 
-    figures_0 = TableFigures(
-        ("pattern_low", "", "Rms non-uniformity at the cooler reference, uncorrected."),
-        ("pattern_high", "", "Rms non-uniformity at the warmer reference, uncorrected."),
-        unit_of="image",
-    )
-    figures_1 = TableFigures(
+    figures = TableFigures(
+        ("pattern_low", None, "Rms non-uniformity at the cooler reference, uncorrected."),
+        ("pattern_high", None, "Rms non-uniformity at the warmer reference, uncorrected."),
         ("response_per_kelvin", "", "Mean response between the references, in the picture's unit "
          "per kelvin."),
         ("weak_pixels", "", "Number of pixels whose response is too small to correct."),
+        unit_of="image",
     )  # fmt: skip
 
 
@@ -190,14 +188,13 @@ def drifted(
 def figures(work: Work, low: Array, high: Array, *, kelvin: float, unit: str) -> TableData:
     rise = float(np.mean(high) - np.mean(low))
     weak = np.count_nonzero(~((high - low) > focal_plane_array.LEAST_RESPONSE * rise))
-    return TableData.of(
-        ("pattern_low", float(np.std(low)), unit,
-         "rms non-uniformity at the cooler reference"),
-        ("pattern_high", float(np.std(high)), unit,
-         "rms non-uniformity at the warmer reference"),
+    return Nuc.figures.table(
+        ("pattern_low", float(np.std(low))),
+        ("pattern_high", float(np.std(high))),
         ("response_per_kelvin", rise / kelvin, f"{unit}/K", "mean response between the references"),
-        ("weak_pixels", int(weak), "", "number of pixels whose response is too small to correct"),
-    )  # fmt: skip
+        ("weak_pixels", int(weak)),
+        unit=unit,
+    )
 
 
 def no_figures(work: Work) -> TableData:

@@ -143,8 +143,8 @@ class PoissonNoise(
         )
 
     moments = TableFigures(
-        ("noise_mean", "", "Mean of the noise."),
-        ("noise_sigma", "", "Standard deviation of the noise."),
+        ("noise_mean", None, "Mean of the noise."),
+        ("noise_sigma", None, "Standard deviation of the noise."),
         unit_of="image",
         table=lambda outputs: Step.of(_moments, outputs.noise.recipe),
     )

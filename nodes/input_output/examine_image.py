@@ -18,7 +18,6 @@ from core.chain.wires import (
     Series,
     Table,
     TableData,
-    TableRow,
     Transfer,
     spectrum,
 )
@@ -124,10 +123,10 @@ class ExamineImage(
         )
 
     figures = TableFigures(
-        ("minimum", "", "Smallest sample."),
-        ("maximum", "", "Largest sample."),
-        ("mean", "", "Mean of the samples."),
-        ("sigma", "", "Standard deviation of the samples."),
+        ("minimum", None, "Smallest sample."),
+        ("maximum", None, "Largest sample."),
+        ("mean", None, "Mean of the samples."),
+        ("sigma", None, "Standard deviation of the samples."),
         unit_of="image",
     )
 
@@ -144,9 +143,7 @@ def figures(
 ) -> TableData:
     measured = statistics(samples, for_each=work.for_each)
     values = {"minimum": measured.minimum, "maximum": measured.maximum, "mean": measured.mean}
-    meanings = {"minimum": "smallest sample", "maximum": "largest sample", "mean": "mean"}
-    rows = [TableRow(name, value, unit, meanings[name]) for name, value in values.items()]
-    rows.append(TableRow("sigma", measured.sigma, unit, "standard deviation"))
+    rows: list[tuple[Any, ...]] = [*values.items(), ("sigma", measured.sigma)]
     if probe is not None:
         sizes = zip(("probe_x", "probe_y"), probe, samples.shape[::-1], strict=True)
         for name, index, size in sizes:
@@ -154,12 +151,12 @@ def figures(
                 raise ParameterError(name, index, f"0 to {size - 1}")
         values["probe"] = float(samples[probe[1], probe[0]])
         where = f"sample at column {probe[0]}, row {probe[1]}"
-        rows.append(TableRow("probe", values["probe"], unit, where))
+        rows.append(("probe", values["probe"], unit, where))
     if band_um is not None and band_um[0] >= SHORTEST_THERMAL_UM:
         for name, value in values.items():
             meaning = f"apparent temperature of {name}, {band_um[0]:g} to {band_um[1]:g} µm"
-            rows.append(TableRow(f"{name}_K", apparent_temperature(value, band_um), "K", meaning))
-    return TableData(tuple(rows))
+            rows.append((f"{name}_K", apparent_temperature(value, band_um), "K", meaning))
+    return ExamineImage.figures.table(*rows, unit=unit)
 
 
 def apparent_temperature(radiance: float, band_um: Band) -> float | None:

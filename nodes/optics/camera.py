@@ -402,31 +402,31 @@ def camera_figures(
     middle = None if band_um is None else sum(band_um) / 2
     blur = _times(middle, sheet.f_number)
     gsd = _over(_times(x, sheet.range_m), 1000.0), _over(_times(y, sheet.range_m), 1000.0)
-    return TableData.of(
+    return Camera.figures.table(
         ("pixels_x", sheet.pixels_x, "pixels", "pixels per row"),
         ("pixels_y", sheet.pixels_y, "pixels", "pixels per column"),
         ("pitch_x_um", sheet.pitch_x_um, "µm", "horizontal pixel pitch"),
         ("pitch_y_um", sheet.pitch_y_um, "µm", "vertical pixel pitch"),
         ("focal_length_mm", sheet.focal_length_mm, "mm", "focal length"),
-        ("f_number", sheet.f_number, "", "F-number"),
-        ("aperture_mm", sheet.aperture_mm, "mm", "diameter of the aperture"),
+        ("f_number", sheet.f_number),
+        ("aperture_mm", sheet.aperture_mm),
         ("obscuration_ratio", sheet.obscuration_ratio, "",
          "obscuration: inner over outer diameter of the aperture"),
         ("fill_x", sheet.fill_x or 1.0, "", "horizontal fill factor"),
         ("fill_y", sheet.fill_y or 1.0, "", "vertical fill factor"),
         ("range_m", sheet.range_m, "m", "distance to the scene"),
-        ("pixel_x_mrad", x, "mrad", "horizontal IFOV"),
-        ("pixel_y_mrad", y, "mrad", "vertical IFOV"),
-        ("fov_x_deg", _field_deg(sheet.pixels_x, x), "deg", "horizontal field of view"),
-        ("fov_y_deg", _field_deg(sheet.pixels_y, y), "deg", "vertical field of view"),
-        ("nyquist_x", _over(0.5, x), "cyc/mrad", "horizontal Nyquist frequency"),
-        ("nyquist_y", _over(0.5, y), "cyc/mrad", "vertical Nyquist frequency"),
-        ("samples_per_pixel_x", _over(x, intervals_mrad[0]), "samples", "horizontal"),
-        ("samples_per_pixel_y", _over(y, intervals_mrad[1]), "samples", "vertical"),
-        ("cutoff", _over(sheet.aperture_mm, middle), "cyc/mrad", "diffraction cutoff"),
-        ("q", _over(blur, sheet.pitch_x_um), "", "λF/pitch at the middle of the band"),
-        ("gsd_x_m", gsd[0], "m", "horizontal GSD: width of a pixel's footprint"),
-        ("gsd_y_m", gsd[1], "m", "vertical GSD: height of a pixel's footprint"),
+        ("pixel_x_mrad", x),
+        ("pixel_y_mrad", y),
+        ("fov_x_deg", _field_deg(sheet.pixels_x, x)),
+        ("fov_y_deg", _field_deg(sheet.pixels_y, y)),
+        ("nyquist_x", _over(0.5, x)),
+        ("nyquist_y", _over(0.5, y)),
+        ("samples_per_pixel_x", _over(x, intervals_mrad[0])),
+        ("samples_per_pixel_y", _over(y, intervals_mrad[1])),
+        ("cutoff", _over(sheet.aperture_mm, middle)),
+        ("q", _over(blur, sheet.pitch_x_um)),
+        ("gsd_x_m", gsd[0]),
+        ("gsd_y_m", gsd[1]),
         *_orbit_rows(sheet.orbit, *gsd),
     )  # fmt: skip
 
@@ -445,14 +445,13 @@ def _rotation_caution(orbit: ground_geometry.OrbitView) -> Caution | None:
 
 def _orbit_rows(
     orbit: ground_geometry.OrbitView | None, gsd_x_m: float | None, gsd_y_m: float | None
-) -> list[tuple[Any, ...]]:
+) -> list[tuple[str, float | None]]:
     values: list[float | None] = [None] * len(_ORBIT)
     if orbit is not None:
         velocity, ground = orbit.velocity_m_per_s, orbit.ground_gsd(gsd_x_m, gsd_y_m)
         rate = _over(velocity, gsd_y_m)
         values = [orbit.elevation_deg, orbit.ground_speed_m_per_s, velocity, *ground, rate]
-    pairs = zip(_ORBIT, values, strict=True)
-    return [(name, value, unit, meaning.rstrip(".")) for (name, unit, meaning), value in pairs]
+    return [(name, value) for (name, _, _), value in zip(_ORBIT, values, strict=True)]
 
 
 def _times(a: float | None, b: float | None) -> float | None:

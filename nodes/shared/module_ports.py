@@ -190,13 +190,13 @@ def figure(work: Work, table: TableData, *, name: str) -> float | int | str | No
 class TableFigures:
     """Read-outs that are figures of the module's table: name, unit and meaning of each.
 
-    A fourth entry is the name of the row, where it is another; `unit_of` the input whose unit they
-    have; `table` gives the table of the outputs.
+    A fourth entry is the name of the row, where it is another; `unit_of` the input whose unit those
+    have whose own is None; `table` gives the table of the outputs.
     """
 
     def __init__(
         self,
-        *figures: tuple[str, ...],
+        *figures: tuple[Any, ...],
         unit_of: str = "",
         table: Callable[[Any], Recipe] = lambda outputs: outputs.table.recipe,
     ) -> None:
@@ -206,7 +206,8 @@ class TableFigures:
         for name, unit, meaning, *row in self._figures:
             method = self._method(*row or (name,))
             method.__doc__ = meaning
-            marked = readout(unit, name=name, unit_of=self._unit_of)(method)
+            unit_of = self._unit_of if unit is None else ""
+            marked = readout(unit or "", name=name, unit_of=unit_of)(method)
             setattr(owner, f"{name}_figure", marked)
 
     def _method(self, row: str) -> Callable[..., Step]:
@@ -214,6 +215,24 @@ class TableFigures:
             return Step.of(figure, self._table(outputs), name=row)
 
         return method
+
+    def table(self, *rows: tuple[Any, ...], unit: str = "") -> TableData:
+        """Rows of figures, (name, value[, reason]), and (name, value, unit, meaning[, reason]).
+
+        Figures have the unit and meaning declared here; `unit` is that of the input `unit_of`. A
+        meaning loses its full stop, and its capital unless it begins an abbreviation.
+        """
+        declared = {name: texts for name, *texts in self._figures}
+
+        def row(name: str, value: Any, *rest: str) -> tuple[Any, ...]:
+            if len(rest) > 1:
+                return name, value, *rest
+            own, text = declared[name][:2]
+            start = text[0].lower() if text[1].islower() else text[0]
+            text = start + text[1:].removesuffix(".")
+            return name, value, unit if own is None else own, text, *rest
+
+        return TableData.of(*(row(*each) for each in rows))
 
 
 def separable(
