@@ -23,7 +23,7 @@ from nodes.shared.context_defaults import (
     unit_caution,
     with_interval,
 )
-from nodes.shared.module_ports import CutOff, CutOn, TableFigures
+from nodes.shared.module_ports import CutOff, CutOn
 
 Scanning = Literal["automatic", "parallel_scan", "serial_scan", "staring"]
 
@@ -373,23 +373,7 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
             band_um=band_um,
         )
 
-    figures = TableFigures(
-        ("snr", "", "Noise-free mean signal divided by temporal noise; left out if there is no "
-         "noise."),
-        ("netd_K", "K", "Noise-equivalent temperature difference of the temporal noise."),
-        ("ner", "W/m²/sr", "Noise-equivalent radiance: rms temporal noise."),
-        ("mrtd_x_K", "K", "MRTD for vertical bars at half the Nyquist frequency; left out if the "
-         "bars are not resolved.", "mrtd_x_50_percent_nyquist"),
-        ("mrtd_y_K", "K", "MRTD for horizontal bars at half the Nyquist frequency; left out if "
-         "the bars are not resolved.", "mrtd_y_50_percent_nyquist"),
-        ("detection_range_km", "km", "Range at which the probability of detection is one half "
-         "(Johnson)."),
-        ("recognition_range_km", "km", "Range at which the probability of recognition is one "
-         "half (Johnson)."),
-        ("identification_range_km", "km", "Range at which the probability of identification is one "
-         "half (Johnson)."),
-        ("ttp_range_km", "km", "Range at which the probability of success is one half (TTP)."),
-    )  # fmt: skip
+    figures = threshold_curves.FIGURES
 
 
 def _air(image: Image, context: Context) -> tuple[AirPath, ...]:

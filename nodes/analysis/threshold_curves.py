@@ -10,7 +10,7 @@ import numpy as np
 
 from core.arrays import Vector
 from core.chain.step_lineage import LevelChange
-from core.chain.wires import CurveData, Series, TableData, TableRow
+from core.chain.wires import CurveData, Series, TableData
 from core.errors import DataError
 from core.evaluation.work import Work
 from core.physics.acquisition import mrtd as physics
@@ -22,6 +22,7 @@ from core.physics.radiometry.planck import band_radiance_derivative, brightness_
 from core.records import dataclass, field, replace
 from core.transfer.factors import Grid
 from nodes.analysis import lineage
+from nodes.shared.module_ports import TableFigures
 
 Unseen = str
 """Why there are no figures, in their place: the picture is clipped and shows nothing of its scene.
@@ -419,6 +420,25 @@ def probability_curve(work: Work, result: Acquired | Unseen) -> CurveData:
     return CurveData("Target acquisition", "range (km)", "probability", series)
 
 
+FIGURES = TableFigures(
+    ("snr", "", "Noise-free mean signal divided by temporal noise; left out if there is no "
+     "noise."),
+    ("netd_K", "K", "Noise-equivalent temperature difference of the temporal noise."),
+    ("ner", "W/m²/sr", "Noise-equivalent radiance: rms temporal noise."),
+    ("mrtd_x_K", "K", "MRTD for vertical bars at half the Nyquist frequency; left out if the "
+     "bars are not resolved.", "mrtd_x_50_percent_nyquist"),
+    ("mrtd_y_K", "K", "MRTD for horizontal bars at half the Nyquist frequency; left out if "
+     "the bars are not resolved.", "mrtd_y_50_percent_nyquist"),
+    ("detection_range_km", "km", "Range at which the probability of detection is one half "
+     "(Johnson)."),
+    ("recognition_range_km", "km", "Range at which the probability of recognition is one "
+     "half (Johnson)."),
+    ("identification_range_km", "km", "Range at which the probability of identification is one "
+     "half (Johnson)."),
+    ("ttp_range_km", "km", "Range at which the probability of success is one half (TTP)."),
+)  # fmt: skip
+
+
 def merit_table(
     work: Work,
     seen: Sensed,
@@ -440,15 +460,15 @@ def merit_table(
     if not isinstance(reached, Unseen):
         values |= {f"{task.lower()}_range_km": _km(half) for task, half in reached[2].items()}
 
-    def row(name: str, unit: str, meaning: str) -> TableRow:
-        return TableRow(name, values.get(name), unit, meaning, why)
+    def row(name: str, *unit_and_meaning: str) -> tuple[Any, ...]:
+        return name, values.get(name), *unit_and_meaning, why
 
     rows = [
-        row("snr", "", "mean signal divided by temporal noise"),
-        row("netd_K", "K", "temporal noise as a temperature difference"),
+        row("snr"),
+        row("netd_K"),
         row("ner", unit, "rms temporal noise"),
         row("background_K", "K", "background temperature, at which dL/dT is taken"),
-        TableRow("frames_integrated", frames, "", "frames averaged by the eye"),
+        ("frames_integrated", frames, "", "frames averaged by the eye"),
         *(row(f"sigma_{name}_K", "K", MEANINGS[name]) for name in COMPONENTS),
     ]
     for share in (0.25, 0.5, 0.75):
@@ -459,14 +479,8 @@ def merit_table(
                 curve = thresholds.horizontal if axis == "x" else thresholds.vertical
                 values[name] = at_frequency(thresholds.frequency, curve, share * nyquist)
             rows.append(row(name, "K", f"MRTD along {axis} at {text}"))
-    rows += [
-        row(f"{t}_range_km", "km", f"range at which the probability of {t} is one half (Johnson)")
-        for t in TASKS
-    ]
-    rows.append(
-        row("ttp_range_km", "km", "range at which the probability of success is one half (TTP)")
-    )
-    return TableData(tuple(rows))
+    rows += [row(f"{task}_range_km") for task in (*TASKS, "ttp")]
+    return FIGURES.table(*rows)
 
 
 def _km(range_m: float | None) -> float | None:

@@ -17,6 +17,7 @@ from core.records import replace
 from core.transfer.factors import Factor
 from nodes.detector import focal_plane_steps as steps
 from nodes.detector.focal_plane_figures import (
+    FIGURES,
     Collection,
     ReadOut,
     budget_preview,
@@ -46,11 +47,6 @@ class FocalPlaneOutputs(NamedTuple):
     noise: Image
     saturated: Image
     table: Table
-
-
-def _without_saturated(outputs: FocalPlaneOutputs) -> Recipe:
-    """The figures of the mean, for which no sample is made."""
-    return outputs.table.recipe.inputs[0]
 
 
 _CHART_LINES = 9.0  # of text, in the preview
@@ -504,43 +500,9 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
         """The reference radiance exceeds the full well or the converter's range."""
         if self.reference_radiance is None:
             return None
-        return Step.of(reference_caution, _without_saturated(outputs))
+        return Step.of(reference_caution, outputs.table.recipe.inputs[0])
 
-    figures = TableFigures(
-        ("signal_e", "e-", "Electrons from the scene, at the picture's mean."),
-        ("optics_e", "e-", "Electrons from the optics' own emission."),
-        ("housing_e", "e-", "Electrons from the housing past the cold shield."),
-        ("dark_e", "e-", "Electrons from the dark current."),
-        ("well_fill_percent", "%", "Fraction of the full well filled by all electrons."),
-        ("shot_noise_e", "e-", "Shot noise of all electrons."),
-        ("excess_noise_e", "e-", "Excess noise of the charge gain."),
-        ("read_noise_e", "e-", "Read noise after frame averaging."),
-        ("quantization_noise_e", "e-", "Quantization noise of the converter."),
-        ("temporal_noise_e", "e-", "Temporal noise: shot, excess, read and quantization noise "
-         "together."),
-        ("fixed_pattern_e", "e-", "Fixed-pattern noise: PRNU and DSNU together."),
-        ("responsivity_e_per_K", "e-/K", "Responsivity: electrons per kelvin of scene temperature, "
-         "for a thermal scene."),
-        ("netd_K", "K", "NETD: temporal noise over responsivity, for a thermal scene."),
-        ("snr", "", "SNR: signal over temporal noise."),
-        ("snr_at_reference", "", "SNR at reference_radiance: signal over temporal noise."),
-        ("nei_photons_per_cm2", "1/cm²", "Noise-equivalent irradiance: photons per cm² and "
-                                         "exposure whose signal equals the temporal noise."),
-        ("dynamic_range_dB", "dB", "Dynamic range: saturation (full well or highest DN) over the "
-         "temporal dark noise."),
-        ("emva_dynamic_range_dB", "dB", "Dynamic range according to EMVA 1288: saturation over "
-         "the sensitivity threshold."),
-        ("sensitivity_threshold_photons", "photons", "Sensitivity threshold according to EMVA "
-         "1288: photons per pixel at which the SNR is 1."),
-        ("snr_max_dB", "dB", "Maximum SNR according to EMVA 1288: at saturation, with shot noise "
-         "alone."),
-        ("gain_e_per_dn", "e-/DN", "Electrons per digital number."),
-        ("mean_dn", "DN", "Mean signal of the picture, in digital numbers."),
-        ("photon_weighting", "", "Spectrum used to count photons: scene, source or middle."),
-        ("weighting_worth_percent", "%", ("Largest minus smallest signal over the choices "
-                                         "of photon_weighting, relative to signal_e.")),
-        table=_without_saturated,
-    )  # fmt: skip
+    figures = FIGURES
     counts = TableFigures(
         ("saturated_pixels", "", "Number of pixels clipped at the full well or at the converter's "
          "highest number."),

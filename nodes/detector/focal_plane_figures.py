@@ -18,6 +18,7 @@ from core.modules.preview import Bar, Bars, Preview, Stack, brief, electrons, ke
 from core.physics.detector import focal_plane_array, photon_conversion
 from core.physics.radiometry.planck import band_radiance, band_radiance_derivative
 from core.records import dataclass, replace
+from nodes.shared.module_ports import TableFigures
 from nodes.shared.steps import PictureRange
 
 SNR_AT_PERCENT = (1, 3, 10, 30, 90)
@@ -267,6 +268,44 @@ def clipping_level(work: Work, levels: ElectronLevels, *, reading: ReadOut) -> L
     return LevelChange(0.0, levels.total_e, 0.0, clipped.message)
 
 
+FIGURES = TableFigures(
+    ("signal_e", "e-", "Electrons from the scene, at the picture's mean."),
+    ("optics_e", "e-", "Electrons from the optics' own emission."),
+    ("housing_e", "e-", "Electrons from the housing past the cold shield."),
+    ("dark_e", "e-", "Electrons from the dark current."),
+    ("well_fill_percent", "%", "Fraction of the full well filled by all electrons."),
+    ("shot_noise_e", "e-", "Shot noise of all electrons."),
+    ("excess_noise_e", "e-", "Excess noise of the charge gain."),
+    ("read_noise_e", "e-", "Read noise after frame averaging."),
+    ("quantization_noise_e", "e-", "Quantization noise of the converter."),
+    ("temporal_noise_e", "e-", "Temporal noise: shot, excess, read and quantization noise "
+     "together."),
+    ("fixed_pattern_e", "e-", "Fixed-pattern noise: PRNU and DSNU together."),
+    ("responsivity_e_per_K", "e-/K", "Responsivity: electrons per kelvin of scene temperature, "
+     "for a thermal scene."),
+    ("netd_K", "K", "NETD: temporal noise over responsivity, for a thermal scene."),
+    ("snr", "", "SNR: signal over temporal noise."),
+    ("snr_at_reference", "", "SNR at reference_radiance: signal over temporal noise."),
+    ("nei_photons_per_cm2", "1/cm²", "Noise-equivalent irradiance: photons per cm² and "
+                                     "exposure whose signal equals the temporal noise."),
+    ("dynamic_range_dB", "dB", "Dynamic range: saturation (full well or highest DN) over the "
+     "temporal dark noise."),
+    ("emva_dynamic_range_dB", "dB", "Dynamic range according to EMVA 1288: saturation over "
+     "the sensitivity threshold."),
+    ("sensitivity_threshold_photons", "photons", "Sensitivity threshold according to EMVA "
+     "1288: photons per pixel at which the SNR is 1."),
+    ("snr_max_dB", "dB", "Maximum SNR according to EMVA 1288: at saturation, with shot noise "
+     "alone."),
+    ("gain_e_per_dn", "e-/DN", "Electrons per digital number."),
+    ("mean_dn", "DN", "Mean signal of the picture, in digital numbers."),
+    ("photon_weighting", "", "Spectrum used to count photons: scene, source or middle."),
+    ("weighting_worth_percent", "%", ("Largest minus smallest signal over the choices "
+                                     "of photon_weighting, relative to signal_e.")),
+    # The figures of the mean, for which no sample is made.
+    table=lambda outputs: outputs.table.recipe.inputs[0],
+)  # fmt: skip
+
+
 def figures(
     work: Work,
     levels: ElectronLevels,
@@ -315,36 +354,32 @@ def figures(
     threshold = None
     if efficiency:
         threshold = (dark_noise + 0.5 * reading.excess_factor / frames) / efficiency
-    return TableData.of(
-        ("signal_e", levels.signal_e, "e-", "electrons from the scene"),
-        ("optics_e", collected.optics_e, "e-", "electrons from the optics' own emission"),
-        ("housing_e", collected.housing_e, "e-", "electrons from housing radiation past the cold "
-         "shield"),
-        ("dark_e", collected.dark_e, "e-", "electrons from the dark current"),
-        ("well_fill_percent", fill, "%", "fraction of the full well filled by all electrons"),
-        ("shot_noise_e", shot, "e-", "shot noise of all electrons"),
-        ("excess_noise_e", excess, "e-", "excess noise of the charge gain"),
-        ("read_noise_e", read, "e-", "read noise after frame averaging"),
-        ("quantization_noise_e", rounding, "e-", "quantization noise"),
-        ("temporal_noise_e", temporal, "e-", "all noise that changes from frame to frame"),
-        ("fixed_pattern_e", slope * pattern, "e-", "PRNU and DSNU"),
-        ("responsivity_e_per_K", responsivity, "e-/K", "electrons per kelvin of scene temperature",
-         why),
-        ("netd_K", netd, "K", "temporal noise as a temperature difference", why),
-        ("snr", snr, "", "signal over temporal noise", why),
+    return FIGURES.table(
+        ("signal_e", levels.signal_e),
+        ("optics_e", collected.optics_e),
+        ("housing_e", collected.housing_e),
+        ("dark_e", collected.dark_e),
+        ("well_fill_percent", fill),
+        ("shot_noise_e", shot),
+        ("excess_noise_e", excess),
+        ("read_noise_e", read),
+        ("quantization_noise_e", rounding),
+        ("temporal_noise_e", temporal),
+        ("fixed_pattern_e", slope * pattern),
+        ("responsivity_e_per_K", responsivity, why),
+        ("netd_K", netd, why),
+        ("snr", snr, why),
         *_at_reference(levels, reading, reference_radiance),
-        ("nei_photons_per_cm2", nei, "1/cm²", "photons per cm² and exposure whose signal equals "
-                                              "the temporal noise", why),
-        ("dynamic_range_dB", decibels, "dB", "saturation over the temporal dark noise", too_dark),
+        ("nei_photons_per_cm2", nei, why),
+        ("dynamic_range_dB", decibels, too_dark),
         *_emva(levels, reading, efficiency, threshold),
-        ("gain_e_per_dn", reading.gain_e_per_dn, "e-/DN", "electrons per digital number"),
-        ("mean_dn", _bent(total, reading) / reading.gain_e_per_dn + reading.offset_dn, "DN",
-         "mean signal in digital numbers"),
+        ("gain_e_per_dn", reading.gain_e_per_dn),
+        ("mean_dn", _bent(total, reading) / reading.gain_e_per_dn + reading.offset_dn),
         ("scene_K", levels.scene_K, "K", "brightness temperature of the picture's mean"),
         ("quantum_efficiency", efficiency, "", "electrons per photon, averaged over the band"),
-        ("photon_weighting", collected.weights.used, "", "spectrum used to count photons"),
+        ("photon_weighting", collected.weights.used),
         *_worth(levels),
-    )  # fmt: skip
+    )
 
 
 def _noises(total_e: float, reading: ReadOut) -> tuple[float, float, float, float]:
@@ -370,7 +405,7 @@ def _snr(levels: ElectronLevels, reading: ReadOut) -> float | None:
 
 def _at_reference(
     levels: ElectronLevels, reading: ReadOut, radiance: float | None
-) -> Iterator[tuple[str, float | None, str, str, str]]:
+) -> Iterator[tuple[Any, ...]]:
     """Signal and SNR of a uniform scene of a spectral radiance, W/m²/sr/µm; empty without one."""
     signal, snr, why = None, None, ""
     if radiance is not None:
@@ -380,14 +415,13 @@ def _at_reference(
         snr, clipped = _snr(there, reading), mean_clipped(there, reading)
         if clipped is not None:
             why = clipped.message.replace("the picture's mean", "reference_radiance")
-    yield "reference_e", signal, "e-", "signal at reference_radiance", ""
-    what = "signal over temporal noise at reference_radiance"
-    yield "snr_at_reference", snr, "", what, why
+    yield "reference_e", signal, "e-", "signal at reference_radiance"
+    yield "snr_at_reference", snr, why
 
 
 def _emva(
     levels: ElectronLevels, reading: ReadOut, efficiency: float, threshold: float | None
-) -> Iterator[tuple[str, float | None, str, str]]:
+) -> Iterator[tuple[Any, ...]]:
     """SNR_max = √µe.sat and µp.min, and the SNR from dark to bright scenes of this spectrum.
 
     Source: EMVA Standard 1288, release 4.0 Linear (2021).
@@ -399,14 +433,12 @@ def _emva(
         share = room / levels.signal_e if levels.signal_e > 0.0 else math.inf
         radiance = _finite(levels.seen.mean * (levels.radiance_per_photon or 1.0) * share)
     yield "snr_max", most, "", "SNR at saturation with shot noise alone (EMVA 1288)"
-    yield "snr_max_dB", 20.0 * math.log10(most) if most else None, "dB", "snr_max in decibels"
-    what = "photons per pixel at which SNR is 1 (EMVA 1288)"
-    yield "sensitivity_threshold_photons", threshold, "photons", what
+    yield "snr_max_dB", 20.0 * math.log10(most) if most else None
+    yield "sensitivity_threshold_photons", threshold
     ratio = None
     if threshold and reading.saturation_e < np.inf:
         ratio = 20.0 * math.log10(reading.saturation_e / (threshold * efficiency))
-    what = "saturation over the sensitivity threshold (EMVA 1288)"
-    yield "emva_dynamic_range_dB", ratio, "dB", what
+    yield "emva_dynamic_range_dB", ratio
     yield "saturation_radiance", radiance, "W/m²/sr", "radiance that saturates the pixels"
     for percent in SNR_AT_PERCENT:
         lit = replace(levels, signal_e=room * percent / 100.0)
@@ -414,7 +446,7 @@ def _emva(
         yield f"snr_at_{percent}_percent", snr, "", f"SNR at {percent} % of saturation_radiance"
 
 
-def _worth(levels: ElectronLevels) -> Iterator[tuple[str, float | None, str, str]]:
+def _worth(levels: ElectronLevels) -> Iterator[tuple[Any, ...]]:
     """What each other weighting would make of the signal, and by how much they differ."""
     known: list[float] = []
     collected = levels.collection
@@ -435,8 +467,7 @@ def _worth(levels: ElectronLevels) -> Iterator[tuple[str, float | None, str, str
     worth = None
     if len(known) > 1 and levels.signal_e > 0.0:
         worth = 100.0 * (max(known) - min(known)) / levels.signal_e
-    what = "largest minus smallest signal over all choices of photon_weighting"
-    yield "weighting_worth_percent", worth, "%", f"{what}, relative to signal_e"
+    yield "weighting_worth_percent", worth
 
 
 def _efficiency(levels: ElectronLevels) -> float:

@@ -26,7 +26,7 @@ from nodes.input_output.sample_unit import radiance_caution
 from nodes.shared import context_defaults
 from nodes.shared.context_defaults import apart_caution, band_warning, is_radiance, unit_warning
 from nodes.shared.deviates import SEED_SECTIONS, SeededModule
-from nodes.shared.module_ports import CutOff, CutOn, TableFigures, separable, transfers
+from nodes.shared.module_ports import CutOff, CutOn, separable, transfers
 from nodes.shared.steps import difference, filtered_lines, picture_range, quantized
 
 _MATERIALS = tuple(
@@ -498,19 +498,7 @@ class ElectronicsNoise(
             return None, None
         return self.range_low, self.range_high
 
-    figures = TableFigures(
-        ("bandwidth_Hz", "Hz", "Noise bandwidth."),
-        ("g_number", "1/sr", "Optical throughput number G#."),
-        ("d_star", "cm √Hz/W", "Specific detectivity over the band."),
-        ("nep_W", "W", "Noise-equivalent power of a detector with the mean noise of all."),
-        ("ner", "W/m²/sr", "Noise-equivalent radiance of a detector with the mean noise of all."),
-        ("netd_detector_K", "K", "NETD of the detectors, from the rms noise over all detectors."),
-        ("netd_amplifier_K", "K", "NETD of the amplifier."),
-        ("netd_system_K", "K", "NETD of detector and amplifier together."),
-        ("snr", "", "SNR: mean signal over rms noise of detector and amplifier."),
-        ("quantization_rms", "W/m²/sr", "Quantization noise."),
-        ("background_K", "K", "Background temperature for D* and dL/dT."),
-    )
+    figures = steps.FIGURES
 
 
 def summed_within(image: Image, low_um: float | None, high_um: float | None) -> Image:

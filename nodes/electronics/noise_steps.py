@@ -9,7 +9,7 @@ from core import kernels
 from core.arrays import Array
 from core.chain.noise_power import NoisePower
 from core.chain.step_lineage import AtStep, Linear, Noise, picture_step
-from core.chain.wires import TableData, TableRow
+from core.chain.wires import TableData
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks, pointwise
 from core.evaluation.work import Work
@@ -20,6 +20,7 @@ from core.physics.radiometry.planck import brightness_temperature
 from core.physics.radiometry.spectra import find_material
 from core.records import dataclass
 from nodes.shared.context_defaults import Lens
+from nodes.shared.module_ports import TableFigures
 from nodes.shared.steps import PictureRange
 
 DetectorFigures = dict[str, float]
@@ -66,6 +67,21 @@ def detector_figures(
     return {**figures, "nep_W": nep, "ner": ner, "netd_K": netd}
 
 
+FIGURES = TableFigures(
+    ("bandwidth_Hz", "Hz", "Noise bandwidth."),
+    ("g_number", "1/sr", "Optical throughput number G#."),
+    ("d_star", "cm √Hz/W", "Specific detectivity over the band."),
+    ("nep_W", "W", "Noise-equivalent power of a detector with the mean noise of all."),
+    ("ner", "W/m²/sr", "Noise-equivalent radiance of a detector with the mean noise of all."),
+    ("netd_detector_K", "K", "NETD of the detectors, from the rms noise over all detectors."),
+    ("netd_amplifier_K", "K", "NETD of the amplifier."),
+    ("netd_system_K", "K", "NETD of detector and amplifier together."),
+    ("snr", "", "SNR: mean signal over rms noise of detector and amplifier."),
+    ("quantization_rms", "W/m²/sr", "Quantization noise."),
+    ("background_K", "K", "Background temperature for D* and dL/dT."),
+)
+
+
 def figures(
     work: Work,
     seen: PictureRange,
@@ -96,23 +112,16 @@ def figures(
     both = {"amplifier_netd_K": netd_amplifier, "detector_netd_K": netd_detector}
     netd_system = noise_equivalent.system_netd_K(**both)
     noise = float(np.hypot(computed["ner"] * rms_over_mean, sigma))
-    return TableData.of(
-        ("background_K", computed["background_K"], "K", "background temperature for D* and dL/dT"),
-        ("bandwidth_Hz", bandwidth_Hz, "Hz", "noise bandwidth"),
-        ("g_number", computed["g_number"], "1/sr", "optical throughput"),
-        ("d_star", computed["d_star"], "cm √Hz/W", "specific detectivity over the band"),
-        ("nep_W", computed["nep_W"], "W", "noise-equivalent power of a detector with mean noise"),
-        ("ner", computed["ner"], "W/m²/sr",
-         "noise-equivalent radiance of a detector with mean noise"),
+    return FIGURES.table(
+        ("background_K", computed["background_K"]),
+        ("bandwidth_Hz", bandwidth_Hz),
+        *((name, computed[name]) for name in ("g_number", "d_star", "nep_W", "ner")),
         ("amplifier_noise", sigma, "W/m²/sr", "rms noise of the amplifier"),
-        ("netd_detector_K", netd_detector, "K", "NETD of the detectors, from the rms noise over "
-         "all detectors"),
-        ("netd_amplifier_K", netd_amplifier, "K", "NETD of the amplifier"),
-        ("netd_system_K", netd_system, "K",
-         "NETD of detector and amplifier together"),
-        ("snr", seen.mean / noise, "",
-         "mean signal divided by the rms noise of detector and amplifier"),
-    )  # fmt: skip
+        ("netd_detector_K", netd_detector),
+        ("netd_amplifier_K", netd_amplifier),
+        ("netd_system_K", netd_system),
+        ("snr", seen.mean / noise),
+    )
 
 
 def _band_d_star(
@@ -163,8 +172,7 @@ def value_range(
 @in_blocks()
 def with_quantization(work: Work, table: TableData, final: Array, before: Array) -> TableData:
     rms = 0.0 if final is before else quantization_rms(original=before, quantized=final)
-    row = TableRow("quantization_rms", rms, "W/m²/sr", "quantization noise")
-    return TableData((*table.rows, row))
+    return TableData(table.rows + FIGURES.table(("quantization_rms", rms)).rows)
 
 
 @dataclass(frozen=True)
