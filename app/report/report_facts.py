@@ -129,7 +129,7 @@ def _skipped(skipped: tuple[Skip, ...]) -> dict[str, list[dict[str, Any]]]:
 
 
 def _node(evaluation: Evaluation, name: str, node: engine.PlannedNode) -> dict[str, Any]:
-    declared = node.declaration
+    declared, units = node.declaration, node.units
     values = evaluation.readouts.get(name, {})
     assert node.module is not None
     return {
@@ -144,7 +144,7 @@ def _node(evaluation: Evaluation, name: str, node: engine.PlannedNode) -> dict[s
             for each in declared.parameters
         },
         "readouts": {
-            r.name: {"value": values[r.name], "unit": node.unit(r), "meaning": r.meaning}
+            r.name: {"value": values[r.name], "unit": units[r.name], "meaning": r.meaning}
             for r in declared.readouts
             if r.name in values
         },

@@ -435,9 +435,10 @@ def each_readout(evaluation: Evaluation) -> Iterator[tuple[str, str, Any, str, s
     """Node, name, value, unit and meaning of every read-out."""
     for node, values in evaluation.readouts.items():
         planned = evaluation.plan.nodes[node]
+        units = planned.units
         for one in planned.declaration.readouts:
             if one.name in values:
-                yield node, one.name, values[one.name], planned.unit(one), one.meaning
+                yield node, one.name, values[one.name], units[one.name], one.meaning
 
 
 def readout_rows(evaluation: Evaluation) -> list[tuple[str, str, str, str]]:
@@ -475,8 +476,7 @@ def sensor_node(plan: Plan, preferred: str | None = None) -> str | None:
 def _of_node(
     evaluation: Evaluation, name: str, wanted: Iterable[tuple[tuple[str, ...], str]]
 ) -> list[Figure]:
-    planned, found = evaluation.plan.nodes[name], evaluation.readouts.get(name, {})
-    units = {readout.name: planned.unit(readout) for readout in planned.declaration.readouts}
+    units, found = evaluation.plan.nodes[name].units, evaluation.readouts.get(name, {})
     return [
         _figure(caption, tuple(found[each] for each in names), units[names[0]], name)
         for names, caption in wanted

@@ -298,8 +298,7 @@ def _with_unit(figure: Figure, plan: Plan) -> Figure:
     planned = plan.nodes.get(figure.node)
     if figure.is_total or planned is None or planned.module is None:
         return figure
-    readouts = {readout.name: readout for readout in planned.declaration.readouts}
-    return replace(figure, unit=planned.unit(readouts[figure.name]))
+    return replace(figure, unit=planned.units[figure.name])
 
 
 def _check_saves(saves: Sequence[Save], plan: Plan, network: Network, library: Library) -> None:

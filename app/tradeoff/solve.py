@@ -96,7 +96,7 @@ def solve_network(
     }
     lines = [in_line(_found(search, sought.port, unit, figure)) + "\n"]
     for node, values in readouts.items():
-        units = {r.name: final.node(node).unit(r) for r in final.node(node).declaration.readouts}
+        units = final.node(node).units
         for name, each in values.items():
             text = "none" if each is None else shown_value(each, units[name])
             lines.append(in_line(f"  {node}.{name}  {text}"))

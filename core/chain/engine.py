@@ -23,7 +23,7 @@ from core.errors import (
 from core.evaluation.recipes import Recipe, Region, Step, Store, furthest_first
 from core.evaluation.work import BlockRun, Policy, Shape, Work
 from core.machine import ScratchDisk, Workers, amount_text
-from core.modules.declaration import Declaration, Library, Module, NodeContext, Readout, declaration
+from core.modules.declaration import Declaration, Library, Module, NodeContext, declaration
 from core.modules.parameters import Caution, PendingCheck, checked
 from core.network.linked_values import with_values
 from core.network.network import Link, Network, Node, passed_through
@@ -52,12 +52,13 @@ class PlannedNode:
         assert self.module is not None
         return declaration(type(self.module))
 
-    def unit(self, readout: Readout) -> str:
-        """Unit of a read-out, which may be that of a picture that comes in."""
-        if not readout.unit_of:
-            return readout.unit
-        unit: str = getattr(self.inputs.get(readout.unit_of), "unit", "")
-        return unit
+    @property
+    def units(self) -> dict[str, str]:
+        """Unit of each read-out, which may be that of a picture that comes in."""
+        return {
+            one.name: getattr(self.inputs.get(one.unit_of), "unit", "") if one.unit_of else one.unit
+            for one in self.declaration.readouts
+        }
 
     @cached_property
     def checks(self) -> tuple[Caution | PendingCheck, ...]:

@@ -55,7 +55,7 @@ class AllFiguresQuery(Query):
         for name, planned in passing.plan.nodes.items():
             if planned.error is not None or planned.node.disabled:
                 continue
-            units = {one.name: planned.unit(one) for one in planned.declaration.readouts}
+            units = planned.units
             try:
                 values = passing.engine.readouts(passing.plan, name, work) if units else {}
             except Cancelled:

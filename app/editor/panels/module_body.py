@@ -343,8 +343,7 @@ class ReadoutsQuery(Query):
     def answer(self, passing: Passing) -> tuple[tuple[str, str, str, str], ...]:
         engine, plan, work = passing.engine, passing.plan, passing.work
         readouts = engine.readouts(plan, self.node, work)
-        planned = plan.node(self.node)
-        units = {one.name: planned.unit(one) for one in planned.declaration.readouts}
+        units = plan.node(self.node).units
         return tuple(
             (
                 name,
