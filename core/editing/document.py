@@ -250,11 +250,11 @@ def rebased(
     for node in network.nodes.values():
         if node.module not in library:
             continue
-        for parameter in declaration(library[node.module]).parameters:
-            value = node.params.get(parameter.name)
-            if parameter.kind != "path" or not isinstance(value, str):
+        for name in declaration(library[node.module]).path_names:
+            value = node.params.get(name)
+            if not isinstance(value, str):
                 continue
-            file, is_typed = Path(value), (node.id, parameter.name) in typed
+            file, is_typed = Path(value), (node.id, name) in typed
             if file.is_absolute():
                 place = Path(os.path.realpath(file.parent)) if is_typed else None
                 moves = place is not None and place.is_relative_to(new)
@@ -263,7 +263,7 @@ def rebased(
             if moves:
                 moved = _from(old / value, new)
                 if moved != value:
-                    steps.append(set_parameter(node.id, parameter.name, moved))
+                    steps.append(set_parameter(node.id, name, moved))
     return together(steps, "Adjust file names") if steps else None
 
 

@@ -140,6 +140,11 @@ class Declaration:
         """The title as a list of modules shows it, explained where the name alone is not clear."""
         return f"{self.title} ({self.explained})" if self.explained else self.title
 
+    @property
+    def path_names(self) -> tuple[str, ...]:
+        """The parameters that name files."""
+        return tuple(p.name for p in self.parameters if p.kind == "path")
+
     def parameter(self, name: str) -> Parameter | None:
         return next((p for p in self.parameters if p.name == name), None)
 

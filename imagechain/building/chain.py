@@ -460,7 +460,7 @@ class Chain:
         """A node's module with its values and absolute file names, to add to another chain."""
         node = self._state.node(name)
         samples = self._state.samples.get(name)
-        paths = {p.name for p in ChainNode(self, name)._declared.parameters if p.kind == "path"}
+        paths = self._state.declared(name).path_names
         params = {
             key: str((self.folder / value).absolute())
             if key in paths and isinstance(value, str) and value and samples is None

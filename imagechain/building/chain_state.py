@@ -126,7 +126,7 @@ class ChainState:
             raise NetworkError(f"there is already a node {shown(id_)}")
         declared = macro.declared_node(Node(id_, part.module, macro=part.inside), library)
         assert declared is not None
-        paths = {parameter.name for parameter in declared.parameters if parameter.kind == "path"}
+        paths = declared.path_names
         params = {
             key: fspath(self._own_path(value)) if key in paths and value is not None else value
             for key, value in part.params.items()

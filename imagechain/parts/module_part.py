@@ -226,9 +226,9 @@ def preset(name: str, **values: Any) -> Part:
     declared = macro.declared_node(node, library)
     assert declared is not None
     own = {
-        parameter.name: str(places[name].parent / node.params[parameter.name])
-        for parameter in declared.parameters
-        if parameter.kind == "path" and parameter.name in node.params
+        path: str(places[name].parent / node.params[path])
+        for path in declared.path_names
+        if path in node.params
     }
     params = {**node.params, **own, **file_values(declared, values)}
     return Part(node.module, params, None, node.id, node.macro)

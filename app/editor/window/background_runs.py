@@ -224,12 +224,10 @@ class AddRun(QtWidgets.QDialog):
             declared = self._session.declared(name)
             if declared is None or declared.sink or declared.key == MACRO:  # its inside is there
                 continue
-            for parameter in declared.parameters:
-                if parameter.kind == "path":
-                    text = f"{label_of(parameter.name)} of {name}"
-                    self.reader.addItem(text, f"{name}.{parameter.name}")
-                    if declared.key == "read_image":
-                        self.reader.setCurrentIndex(self.reader.count() - 1)
+            for path in declared.path_names:
+                self.reader.addItem(f"{label_of(path)} of {name}", f"{name}.{path}")
+                if declared.key == "read_image":
+                    self.reader.setCurrentIndex(self.reader.count() - 1)
 
     def _chosen(self, node: str, name: str) -> None:
         self._varied.choose(node, name)

@@ -250,11 +250,11 @@ def shipped_copy(document: Document) -> Document:
         module = document.library.get(node.module)
         if module is None or declaration(module).sink:
             continue
-        for parameter in declaration(module).parameters:
-            path = node.params.get(parameter.name)
-            if parameter.kind == "path" and isinstance(path, str) and (folder / path).is_file():
+        for name in declaration(module).path_names:
+            path = node.params.get(name)
+            if isinstance(path, str) and (folder / path).is_file():
                 full = str((folder / path).absolute())
-                network = network.with_parameter(node.id, parameter.name, full)
+                network = network.with_parameter(node.id, name, full)
     return Document(network, library=document.library)
 
 
