@@ -165,8 +165,7 @@ class Staging:
 
 def input_paths(node: Node, declared: Declaration, folder: Path) -> list[Path]:
     """Files that a node reads: no output may take their place."""
-    names = [one.name for one in declared.parameters if one.kind == "path" and not declared.sink]
-    values = [node.params.get(name) for name in names]
+    values = [] if declared.sink else [node.params.get(name) for name in declared.path_names]
     return [folder / value for value in values if isinstance(value, str) and value]
 
 
