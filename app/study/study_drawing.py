@@ -2,7 +2,7 @@
 
 import math
 import statistics
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,12 +13,11 @@ from app.report import html_page as html
 from app.report.drawing import picture_drawing as drawing
 from app.run import terminal as tables
 from app.run.overrides import Variation, is_number
-from app.study.study_rows import StudyRows
+from app.study.study_rows import Column, StudyRows, csv_of
 from app.tradeoff.tradeoff_results import ROUNDING, Figure, Point, Results, shown_value
 from core.atomic import write_bytes, write_text
 from core.errors import printable, several
 from nodes.files.file_format import CSV, JSON, PNG
-from nodes.files.table_cells import csv_lines
 
 _ACROSS = 3
 LOG_FROM = 100.0  # the largest over the smallest value, from which on decades are shown
@@ -261,12 +260,10 @@ def failures(results: Results) -> list[str]:
 
 def csv_text(results: Results) -> str:
     """A row for each point in full precision; gaps are empty, reasons and warnings at the end."""
-    every = _columns(results)
-    columns: list[tuple[str, Iterable[str]]] = [(s.text, map(tables.exact, v)) for s, v in every]
-    columns.append(("failed", map("; ".join, map(results.reasons, results.points))))
-    columns.append(("warnings", ("; ".join(point.warnings) for point in results.points)))
-    rows = zip(*(cells for _, cells in columns), strict=True)
-    return csv_lines([[name for name, _ in columns], *rows])
+    columns = [Column(shown.text, "", values) for shown, values in _columns(results)]
+    columns.append(Column("failed", "", ["; ".join(results.reasons(p)) for p in results.points]))
+    columns.append(Column("warnings", "", ["; ".join(p.warnings) for p in results.points]))
+    return csv_of(columns)
 
 
 def trade_off_facts(results: Results) -> dict[str, Any]:
