@@ -121,17 +121,14 @@ class NetworkRun:
             if found is None:
                 saving.check_suffix(save.port, value, path)
                 if file_format.ZARR.matches(path):
-                    found = (
-                        frame_files.STORE,
-                        saving.series_of(value, frame_files.STORE, policy, frames=1, region=region),
-                    )
-            files += [] if found is None else [(path, *found)]
+                    found = saving.series_of(value, path, policy, frames=1, region=region)
+            files += [] if found is None else [(path, found)]
             saves.append(saved)
             staging.claim(path)
-        for path, kind, _ in files:
-            if kind.beside is not None:
+        for path, _ in files:
+            if file_format.ENVI_FRAMES.matches(path):
                 staging.claim(frame_files.header_beside_frames(path))
-        frame_files.refuse_without_room([(path, series) for path, _, series in files])
+        frame_files.refuse_without_room(files)
         for saved in saves:
             if way.on_disk(saved.value, policy):
                 run.check_streamed(saved.port, saved.value, saved.path, frames)
@@ -143,9 +140,9 @@ class NetworkRun:
         evaluation, work, staging, folder = self.evaluation, self.work, self.staging, self.folder
         for saved in saves:
             staging.write(saved.path, partial(_save, evaluation, saved, self.frame_done))
-            found = saved.series(work.policy, on_disk=_is_on_disk(saved.value, work))
-            if found is not None and found[0].beside is not None:
-                text = found[0].beside(found[1])
+            series = saved.series(work.policy, on_disk=_is_on_disk(saved.value, work))
+            if series is not None and file_format.ENVI_FRAMES.matches(saved.path):
+                text = frame_files.envi_header_text(series)
                 staging.write(
                     frame_files.header_beside_frames(saved.path), partial(write_text, content=text)
                 )
@@ -235,20 +232,15 @@ class _Saved:
         streamed = self.frames is None and run.is_streamed(self.value, self.path, on_disk=on_disk)
         return 1 if streamed else self.frames
 
-    def series(
-        self, policy: Policy, *, on_disk: bool
-    ) -> tuple[frame_files.FrameFormat, frame_files.FrameSeries] | None:
-        """Format and header of a file of frames or bands; None of any other file."""
+    def series(self, policy: Policy, *, on_disk: bool) -> frame_files.FrameSeries | None:
+        """What a file of frames or bands holds; None of any other file."""
         count = self.count(on_disk=on_disk)
         if count is not None:
-            kind = saving.format_for_frames(self.port, self.path)
-            return kind, saving.series_of(
-                self.value, kind, policy, frames=count, region=self.region
-            )
+            saving.check_for_frames(self.port, self.path)
+            return saving.series_of(self.value, self.path, policy, frames=count, region=self.region)
         if not saving.is_cube(self.value, self.path):
             return None
-        cube = saving.cube_of(self.value, policy, self.region)
-        return saving.format_for_frames(self.port, self.path), cube.series
+        return saving.cube_of(self.value, policy, self.region).series
 
 
 def own_files(plan: Plan, folder: Path) -> list[Path]:

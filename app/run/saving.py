@@ -99,7 +99,10 @@ def save_array(path: Path, array: Array, metadata: dict[str, Any]) -> None:
     if ZARR.matches(path):
         zarr_array.write_store(path, array, metadata)
     elif ENVI_FRAMES.matches(path):
-        _save_envi(path, array, metadata)
+        rows, columns = array.shape
+        dtype = array.dtype.newbyteorder("<")
+        series = frame_files.FrameSeries(1, rows, columns, dtype, metadata)
+        frame_files.write_envi(path, series, [array])
     elif CSV.matches(path):
         arrays.write_matrix(path, array)
     elif kind is None:
@@ -120,17 +123,6 @@ def save_array(path: Path, array: Array, metadata: dict[str, Any]) -> None:
             atomic.write_bytes(path, encode_png(levels))
         else:
             formats.write_picture(path, levels, dtype=kind.dtypes[0], metadata=metadata)
-
-
-def _save_envi(path: Path, array: Array, metadata: dict[str, Any]) -> None:
-    kind = frame_files.frame_format(path)
-    assert kind is not None
-    assert kind.beside is not None
-    rows, columns = array.shape
-    series = frame_files.FrameSeries(1, rows, columns, array.dtype.newbyteorder("<"), metadata)
-    with atomic.atomic_file(path) as temporary:
-        frame_files.write_frames(temporary, kind, series, [array])
-    atomic.write_text(frame_files.header_beside_frames(path), kind.beside(series))
 
 
 def metadata_of(image: Image, shape: tuple[int, ...]) -> dict[str, Any]:
@@ -250,26 +242,19 @@ MOST_FRAMES = 1_000_000
 _COLLECTED = 256  # frames between two collections of what refers to itself: 4 MB of small ones
 
 
-def format_for_frames(port: str, path: Path) -> frame_files.FrameFormat:
-    kind = frame_files.frame_format(path)
-    if kind is None:
+def check_for_frames(port: str, path: Path) -> None:
+    if not frame_files.holds_frames(path):
         words = ", ".join(suffixes(*frame_files.FRAME_FORMATS))
         raise errors.UsageError(
             f"--save {port}={path}: with --frames, an image must be written as {words}"
         )
-    return kind
 
 
 def series_of(
-    image: Image,
-    kind: frame_files.FrameFormat,
-    policy: Policy,
-    *,
-    frames: int,
-    region: Region | None,
+    image: Image, path: Path, policy: Policy, *, frames: int, region: Region | None
 ) -> frame_files.FrameSeries:
     shape = region.shape if region else image.shape
-    stored = kind.stored_type(policy.dtype, number_bits(image.recipe))
+    stored = frame_files.stored_type(path, policy.dtype, number_bits(image.recipe))
     return frame_files.FrameSeries(frames, *shape, stored, metadata_of(image, shape))
 
 
@@ -284,8 +269,8 @@ def save_frames(
     done: Callable[[int], None] | None = None,
 ) -> None:
     """Write frames one after the other; `done` gets the number of frames written."""
-    kind = format_for_frames(port, path)
-    series = series_of(image, kind, work.policy, frames=frames, region=region)
+    check_for_frames(port, path)
+    series = series_of(image, path, work.policy, frames=frames, region=region)
     recipes = (random_fields.at_frame(image.recipe, number) for number in range(frames))
 
     def made() -> Iterator[NDArray[Any]]:
@@ -302,6 +287,6 @@ def save_frames(
         if machine.is_on_disk(frame):
             frame_files.write_tiled_tiff(path, series, frame)
             return
-        frame_files.write_frames(path, kind, series, [frame], done)
+        frame_files.write_frames(path, series, [frame], done)
         return
-    frame_files.write_frames(path, kind, series, made(), done)
+    frame_files.write_frames(path, series, made(), done)

@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 
 from app.run import own_scene, terminal
-from core.atomic import atomic_file, write_text
 from core.chain.engine import Engine, Plan, PlannedNode
 from core.editing.document import rebased
 from core.editing.operations import ABSENT, Operation, add_nodes, fresh_name, rewire, set_parameter
@@ -344,9 +343,7 @@ def _write(file: Path, held: source_file.HeldSamples, *, named: bool) -> None:
     dtype = held.samples.dtype.newbyteorder("<")
     bands, rows, columns = held.samples.shape
     series = frames.FrameSeries(bands, rows, columns, dtype, fields, "bands")
-    with atomic_file(file) as temporary, temporary.open("wb") as opened:
-        opened.write(np.ascontiguousarray(held.samples, dtype).data)
-    write_text(frames.header_beside_frames(file), frames.envi_header_text(series))
+    frames.write_envi(file, series, held.samples)
 
 
 # One node of a chain, with its parameters as attributes.

@@ -10,6 +10,7 @@ from typing import Any, BinaryIO
 import numpy as np
 
 from core.arrays import Array
+from core.atomic import atomic_file, write_text
 from core.errors import DataError, FileError
 from core.records import dataclass, field
 from nodes.files import picture_info
@@ -114,43 +115,34 @@ def _write_tiff(
             tiff.write(samples, metadata=None, software=False, **how)
 
 
-@dataclass(frozen=True)
-class FrameFormat(Format):
-    write: Callable[[BinaryIO, FrameSeries, Iterable[Array]], None] = _write_samples
-    whole_numbers: bool = True  # whether a converter's numbers are stored as integers
-    # text of the file beside it, of that name and `HEADER_SUFFIX`
-    beside: Callable[[FrameSeries], str] | None = None
-
-    def stored_type(self, precision: np.dtype[Any], bits: int | None) -> np.dtype[Any]:
-        """Integers of 16 or 32 bits for a converter's numbers, else floats of this precision."""
-        if bits is None or not self.whole_numbers:
-            return precision.newbyteorder("<")
-        return np.dtype("<u2" if bits <= 16 else "<u4")
+FRAME_FORMATS = (NPY, Format(TIFF.name, TIFF.suffixes, "multi-page TIFF"), ENVI_FRAMES)
+_WRITERS = dict(zip(FRAME_FORMATS, (_write_npy, _write_tiff, _write_samples), strict=True))
 
 
-FRAME_FORMATS = (
-    # Floats, as .npy files of pictures are: whole numbers of 16 bits would wrap round where two
-    # frames are subtracted.
-    FrameFormat(NPY.name, NPY.suffixes, NPY.description, _write_npy, whole_numbers=False),
-    FrameFormat(TIFF.name, TIFF.suffixes, "multi-page TIFF", _write_tiff),
-    FrameFormat(**vars(ENVI_FRAMES), beside=envi_header_text),
-)
-
-STORE = FrameFormat(**vars(ZARR), whole_numbers=False)
-"""A picture in a store, which is written by itself: here for the type of its samples."""
+def holds_frames(path: Path) -> bool:
+    return any(kind.matches(path) for kind in FRAME_FORMATS)
 
 
-def frame_format(path: Path) -> FrameFormat | None:
-    return next((kind for kind in FRAME_FORMATS if kind.matches(path)), None)
+def stored_type(path: Path, precision: np.dtype[Any], bits: int | None) -> np.dtype[Any]:
+    """Integers of 16 or 32 bits for a converter's numbers, else floats of this precision.
+
+    Floats in .npy files, too, as those of pictures are: whole numbers of 16 bits would wrap round
+    where two frames are subtracted; and in stores.
+    """
+    if bits is None or NPY.matches(path) or ZARR.matches(path):
+        return precision.newbyteorder("<")
+    return np.dtype("<u2" if bits <= 16 else "<u4")
 
 
 def write_frames(
     path: Path,
-    kind: FrameFormat,
     series: FrameSeries,
     frames: Iterable[Array],
     done: Callable[[int], None] | None = None,
 ) -> None:
+    """Write frames in the format of the suffix, one of `FRAME_FORMATS`."""
+    write = next(write for kind, write in _WRITERS.items() if kind.matches(path))
+
     def counted() -> Iterator[Array]:
         for number, frame in enumerate(frames, 1):
             yield frame
@@ -158,7 +150,14 @@ def write_frames(
                 done(number)
 
     with _written(path) as file:
-        kind.write(file, series, counted())
+        write(file, series, counted())
+
+
+def write_envi(path: Path, series: FrameSeries, bands: Iterable[Array]) -> None:
+    """Write an ENVI file, with its header beside it."""
+    with atomic_file(path) as temporary, temporary.open("wb") as file:
+        _write_samples(file, series, bands)
+    write_text(header_beside_frames(path), envi_header_text(series))
 
 
 def write_tiled_tiff(path: Path, series: FrameSeries, samples: Array) -> None:

@@ -12,10 +12,9 @@ from core.errors import FileError
 from nodes.files.formats import read_info, read_pixels
 from nodes.files.frames import (
     FrameSeries,
-    frame_format,
-    header_beside_frames,
     open_frames,
     refuse_without_room,
+    write_envi,
     write_frames,
     write_tiled_tiff,
 )
@@ -32,11 +31,11 @@ def drawn(dtype, shape=(5, 7, 11)):
 
 def written(folder, name, samples, known=KNOWN):
     path = folder / name
-    kind = frame_format(path)
     series = FrameSeries(len(samples), *samples.shape[1:], samples.dtype, known)
-    write_frames(path, kind, series, iter(samples))
-    if kind.beside is not None:
-        header_beside_frames(path).write_text(kind.beside(series), encoding="utf-8")
+    if path.suffix == ".bsq":
+        write_envi(path, series, iter(samples))
+    else:
+        write_frames(path, series, iter(samples))
     assert 0 <= path.stat().st_size - series.size_bytes <= 600 * len(samples)
     return path
 
@@ -88,7 +87,7 @@ def test_beyond_four_gigabytes_a_tiff_is_big(tmp_path, frames, version):
     """Of pages of 128 MiB, before the first is written."""
     series = FrameSeries(frames, 1 << 13, 1 << 13, np.dtype("<u2"))
     path = tmp_path / "f.tif"
-    write_frames(path, frame_format(path), series, iter(()))
+    write_frames(path, series, iter(()))
     assert struct.unpack_from("<H", path.read_bytes(), 2) == (version,)
 
 
