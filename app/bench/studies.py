@@ -13,7 +13,7 @@ import numpy as np
 from app.bench.tables import Table, verdict
 from app.bench.timing import Settings, sensor_network
 from app.study.study_request import run_study
-from app.study.study_rows import StudyRows, Workers
+from app.study.study_rows import StudyRows
 from core.chain.engine import Engine
 from core.evaluation.work import Policy
 from core.network.network import Network
@@ -49,7 +49,7 @@ def study_points(settings: Settings) -> Table:
 
     vary = {"blur.sigma_x_mrad": sigmas, "electronics.amplifier_snr": snrs}
     asked: dict[str, Any] = {"vary": vary, "figures": FIGURES}
-    rows = _measured(variants, lambda n: run_study(network, Workers(n), **asked), side, 1.3)
+    rows = _measured(variants, lambda n: run_study(network, jobs=n, **asked), side, 1.3)
     text = (
         "Every combination of a Gaussian's width and the amplifier's signal-to-noise ratio, with "
         f"two figures of merit at each point. {HOW}"
@@ -72,7 +72,7 @@ def study_scenes(settings: Settings) -> Table:
                 yield network.with_parameter("scene", "path", path)
 
         asked: dict[str, Any] = {"over": ["scene.path=s*.npy"], "figures": FIGURES}
-        rows = _measured(variants, lambda n: run_study(network, Workers(n), **asked), side, 1.2)
+        rows = _measured(variants, lambda n: run_study(network, jobs=n, **asked), side, 1.2)
     text = f"Each picture is a separate file and is read once. {HOW}"
     title = f"Study of {count} pictures, {side}², single precision"
     return Table("study_scenes", title, HEADS, rows, text)

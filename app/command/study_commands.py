@@ -178,8 +178,8 @@ def study(
 
     begun = time.perf_counter()
     library, place, network = options.opened(asked, json)
-    workers = study_rows.Workers(_jobs(jobs, scheduler), scheduler, memory_bytes)
-    workers.check()
+    jobs = _jobs(jobs, scheduler)
+    warning = study_rows.check_scheduler(scheduler)
     settings = [values.assignment(OPTION, text, FORM) for text in vary]
     labels = [setting.port for setting in settings]
     if twice := next((label for label in labels if labels.count(label) > 1), None):
@@ -187,10 +187,10 @@ def study(
     wanted = study_request.make_study(
         network, name=network.name or place.name, folder=place.folder, library=library,
         vary={setting.port: setting.text for setting in settings}, policy=policy,
-        read=[place.path], output=output, summaries=summaries, **points,
+        memory_bytes=memory_bytes, read=[place.path], output=output, summaries=summaries, **points,
     )  # fmt: skip
-    if workers.warning:
-        options.say(json, f"warning: {workers.warning}")
+    if warning:
+        options.say(json, f"warning: {warning}")
 
     def where(done: int) -> str:
         if done >= len(wanted.order):
@@ -201,7 +201,7 @@ def study(
 
     with options.Progress(len(wanted.points), time_left=True) as progress:
         result = study_request.carry_out(
-            wanted, workers, output=output, summaries=summaries, fresh=fresh,
+            wanted, jobs=jobs, scheduler=scheduler, output=output, summaries=summaries, fresh=fresh,
             reached=lambda done: progress.reach(done, where(done)), cancel=stop,
         )  # fmt: skip
     _show_rows(result, [output, *summaries], json, time.perf_counter() - begun)

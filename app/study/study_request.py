@@ -253,6 +253,7 @@ def make_study(
     figures: Sequence[str] = (),
     saves: Sequence[Save] = (),
     policy: Policy | None = None,
+    memory_bytes: int | None = None,
     read: Sequence[Path] = (),
     output: Path | None = None,
     summaries: Sequence[Path] = (),
@@ -286,7 +287,9 @@ def make_study(
     _check_saves(saves, first, network, library)
     units = tuple(_with_unit(figure, first) for figure in chosen)
     what = tuple(places), units, tuple(saves)
-    setting = study_rows.Setting(network, folder.absolute(), *what, policy or Policy(), version())
+    setting = study_rows.Setting(
+        network, folder.absolute(), *what, policy or Policy(), version(), memory_bytes
+    )
     files = file_names(saves, axes, every) if saves else []
     study = study_rows.Study(name, setting, library, axes, every, files)
     listed_in = [Path(sample)] if file_format.CSV.matches(Path(sample)) else []
@@ -411,18 +414,23 @@ Reached = Callable[[int], None]
 
 def carry_out(
     study: study_rows.Study,
-    workers: study_rows.Workers,
     *,
+    jobs: int = 0,
+    scheduler: Any = "",
     output: Path | None = None,
     fresh: bool = False,
     reached: Reached | None = None,
     cancel: threading.Event | None = None,
     summaries: Sequence[Path] = (),
 ) -> study_rows.StudyRows:
-    """Compute the points that the journal beside `output` lacks, then write the files."""
-    workers.check()
+    """Compute the points that the journal beside `output` lacks, then write the files.
+
+    `jobs` are processes of this machine; 0: all cores once the rest is worth it. A `scheduler`, the
+    address of a Dask scheduler or a client of one, takes their place.
+    """
+    made = partial(_made, study, jobs, scheduler, cancel)
     if output is None:
-        result = _collected(study, workers, {}, cancel, reached)
+        result = _collected(study, made, {}, reached)
         _summarise(result, summaries)
         return result
     with study_rows.Journal(output, study.key, len(study.points), fresh=fresh) as journal:
@@ -431,7 +439,7 @@ def carry_out(
             if not all(Path(file).exists() for file in files):
                 del journal.rows[row.place]  # made anew: a later line of the same point holds
         try:
-            result = _collected(study, workers, journal.rows, cancel, reached, journal.add)
+            result = _collected(study, made, journal.rows, reached, journal.add)
         except (Stopped, errors.Cancelled) as error:
             raise errors.Suspended(_kept("stopped", journal, study)) from error
         except errors.ImagechainError as error:
@@ -453,9 +461,8 @@ def _summarise(result: study_rows.StudyRows, summaries: Sequence[Path]) -> None:
 
 def _collected(
     study: study_rows.Study,
-    workers: study_rows.Workers,
+    made: Callable[[Mapping[int, study_rows.Row]], Generator[list[study_rows.Row]]],
     rows: dict[int, study_rows.Row],
-    cancel: threading.Event | None,
     reached: Reached | None,
     keep: Callable[[list[study_rows.Row]], object] = lambda _: None,
 ) -> study_rows.StudyRows:
@@ -463,12 +470,12 @@ def _collected(
     reached = reached or (lambda _: None)
     reached(len(rows))
     start, start_s = time.monotonic(), 0.0
-    with contextlib.closing(_made(study, workers, rows, cancel)) as batches:
-        for made in batches:
-            if not (made or start_s):
+    with contextlib.closing(made(rows)) as batches:
+        for batch in batches:
+            if not (batch or start_s):
                 start_s = time.monotonic() - start
-            keep(made)
-            rows.update((row.place, row) for row in made)
+            keep(batch)
+            rows.update((row.place, row) for row in batch)
             reached(len(rows))
     return study_rows.StudyRows(
         study, tuple(rows[place] for place in range(len(study.points))), start_s
@@ -477,8 +484,9 @@ def _collected(
 
 def run_study(
     network: Network,
-    workers: study_rows.Workers,
     *,
+    jobs: int = 0,
+    scheduler: Any = "",
     output: str | None = None,
     summaries: Sequence[Path] = (),
     fresh: bool = False,
@@ -491,34 +499,36 @@ def run_study(
     plain = plain_network(network, library=library)
     check_network(plain, library=library)
     path = None if output is None else study_path("--output", output)
+    warning = study_rows.check_scheduler(scheduler)
     places: dict[str, Any] = {"folder": folder, "output": path, "summaries": summaries}
     study = make_study(plain, name=plain.name or name, library=library, **places, **asked)
-    if workers.warning:
-        warnings.warn(workers.warning, UserWarning, stacklevel=2)
-    return carry_out(study, workers, output=path, summaries=summaries, fresh=fresh)
+    if warning:
+        warnings.warn(warning, UserWarning, stacklevel=2)
+    return carry_out(
+        study, jobs=jobs, scheduler=scheduler, output=path, summaries=summaries, fresh=fresh
+    )
 
 
 def _made(
     study: study_rows.Study,
-    workers: study_rows.Workers,
-    done: Mapping[int, study_rows.Row],
+    jobs: int,
+    scheduler: Any,
     cancel: threading.Event | None,
+    done: Mapping[int, study_rows.Row],
 ) -> Generator[list[study_rows.Row]]:
     """The rows that are not done: by this process, or by others as soon as that is worth it."""
     order = [place for place in study.order if place not in done]
     files = study.files or [()] * len(study.points)
     tasks = [(place, study.points[place], files[place]) for place in order]
-    if tasks and (workers.scheduler or workers.jobs > 1):
-        yield from _by_others(study, workers, tasks, workers.jobs, cancel)
+    if tasks and (scheduler or jobs > 1):
+        yield from _by_others(study, scheduler, tasks, jobs, cancel)
         return
-    several = workers.jobs == 0 and Policy().workers > 1
+    several = jobs == 0 and Policy().workers > 1
     took: list[float] = []
     start = time.monotonic()
     maker = None
     for number, task in enumerate(tasks, 1):
-        maker = maker or study_rows.RowMaker(
-            _setting(study, workers, study.setting.policy), study.library
-        )
+        maker = maker or study_rows.RowMaker(study.setting, study.library)
         if cancel is not None and cancel.is_set():
             raise errors.Cancelled("stopped on request")
         row = maker.row(task, cancel)
@@ -529,31 +539,23 @@ def _made(
             usual = took[1:] or took  # the first one makes what the others share
             if sum(usual) / len(usual) * (len(tasks) - number) > _WORTH_S:
                 del maker  # and what it has kept
-                yield from _by_others(study, workers, tasks[number:], Policy().workers, cancel)
+                yield from _by_others(study, "", tasks[number:], Policy().workers, cancel)
                 return
 
 
 def _by_others(
     study: study_rows.Study,
-    workers: study_rows.Workers,
+    scheduler: Any,
     tasks: list[study_rows.Task],
     jobs: int,
     cancel: threading.Event | None,
 ) -> Generator[list[study_rows.Row]]:
-    policy, scheduler = study.setting.policy, workers.scheduler
-    if not scheduler:
-        # The engine's threads beside those of the other processes would be in their way.
-        threads = policy.threads or max(1, Policy().workers // jobs)
-        setting = _setting(study, workers, replace(policy, threads=threads))
-        return process_rows(setting, tasks, jobs, cancel)
-    setting = _setting(study, workers, replace(policy, threads=policy.threads or 1))
-    return cluster_rows(setting, study.key, tasks, scheduler, cancel)
-
-
-def _setting(
-    study: study_rows.Study, workers: study_rows.Workers, policy: Policy
-) -> study_rows.Setting:
-    return replace(study.setting, policy=policy, memory_bytes=workers.memory_bytes)
+    # The engine's threads beside those of the other processes would be in their way.
+    policy, threads = study.setting.policy, 1 if scheduler else max(1, Policy().workers // jobs)
+    setting = replace(study.setting, policy=replace(policy, threads=policy.threads or threads))
+    if scheduler:
+        return cluster_rows(setting, study.key, tasks, scheduler, cancel)
+    return process_rows(setting, tasks, jobs, cancel)
 
 
 def _kept(why: str, journal: study_rows.Journal, study: study_rows.Study) -> str:

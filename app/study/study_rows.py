@@ -64,59 +64,54 @@ WITH_TLS = ("tls://", "wss://")
 _INNER = (*WITH_TLS, "inproc://")  # what nobody else can read, or answer in our place
 
 
-@dataclass(frozen=True)
-class Workers:
-    jobs: int = 0  # processes of this machine; 0: all cores once the rest is worth it
-    scheduler: Any = ""  # the address of a Dask scheduler, or a client of one, in their place
-    memory_bytes: int | None = None  # how much computed values may take on a machine
+def check_scheduler(scheduler: Any) -> str:
+    """That others can run code on the workers of a scheduler; empty where they cannot.
 
-    def check(self) -> None:
-        """Refuse what is no address: a client of it would go on trying in the background."""
-        scheduler = self.scheduler
-        if not (scheduler and isinstance(scheduler, str)):
-            return
-        what = f"--scheduler {scheduler:.120}"
-        if not has_dask():
-            raise errors.UsageError(
-                f"{what} needs the packages dask and distributed: {errors.how_to_install('study')}"
-            )
-        from distributed import Security
-        from distributed.comm.addressing import parse_host_port
-        from distributed.comm.registry import backends
-
-        protocol, parted, place = scheduler.rpartition("://")
-        try:
-            host, port = parse_host_port(place)
-            sound = bool(host) and 0 < port < 65536 and (not parted or protocol in backends)
-        except ValueError:
-            sound = False
-        if not sound:
-            known = ", ".join(sorted(backends))
-            raise errors.UsageError(
-                f"{what}: write HOST:PORT or PROTOCOL://HOST:PORT; protocols are {known}"
-            )
-        made: Any = Security
-        if scheduler.startswith(WITH_TLS) and made().tls_client_cert is None:
-            raise errors.UsageError(
-                f"{what}: Dask's settings have no TLS client certificate. Set "
-                "distributed.comm.tls.ca-file, .client.cert and .client.key to the files with "
-                "which the scheduler was started"
-            )
-
-    @property
-    def warning(self) -> str:
-        """That others can run code on the workers; empty where they cannot."""
-        address = self.scheduler
-        if not isinstance(address, str):
-            address = address.scheduler.address
-        if not address or address.startswith(_INNER):
-            return ""
-        return (
-            f"the scheduler {errors.shown(address)} has no TLS: anyone who can reach its port can "
-            f"run code as the workers' user. Start the scheduler and its workers with "
-            "--tls-ca-file, --tls-cert, --tls-key, and give the study the same files in Dask's "
-            "settings"
+    Refused is what is no address: a client of it would go on trying in the background.
+    """
+    if not scheduler:
+        return ""
+    if not isinstance(scheduler, str):
+        return _without_tls(scheduler.scheduler.address)
+    what = f"--scheduler {scheduler:.120}"
+    if not has_dask():
+        raise errors.UsageError(
+            f"{what} needs the packages dask and distributed: {errors.how_to_install('study')}"
         )
+    from distributed import Security
+    from distributed.comm.addressing import parse_host_port
+    from distributed.comm.registry import backends
+
+    protocol, parted, place = scheduler.rpartition("://")
+    try:
+        host, port = parse_host_port(place)
+        sound = bool(host) and 0 < port < 65536 and (not parted or protocol in backends)
+    except ValueError:
+        sound = False
+    if not sound:
+        known = ", ".join(sorted(backends))
+        raise errors.UsageError(
+            f"{what}: write HOST:PORT or PROTOCOL://HOST:PORT; protocols are {known}"
+        )
+    made: Any = Security
+    if scheduler.startswith(WITH_TLS) and made().tls_client_cert is None:
+        raise errors.UsageError(
+            f"{what}: Dask's settings have no TLS client certificate. Set "
+            "distributed.comm.tls.ca-file, .client.cert and .client.key to the files with "
+            "which the scheduler was started"
+        )
+    return _without_tls(scheduler)
+
+
+def _without_tls(address: str) -> str:
+    if not address or address.startswith(_INNER):
+        return ""
+    return (
+        f"the scheduler {errors.shown(address)} has no TLS: anyone who can reach its port can "
+        f"run code as the workers' user. Start the scheduler and its workers with "
+        "--tls-ca-file, --tls-cert, --tls-key, and give the study the same files in Dask's "
+        "settings"
+    )
 
 
 def has_dask() -> bool:

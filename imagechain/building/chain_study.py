@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.run.option_values import save_target, summary_path
-from app.study import study_request, study_rows
+from app.study import study_request
 from core.errors import UsageError
 from core.evaluation.work import Policy, Precision
 from imagechain.building.chain import Chain
@@ -118,7 +118,9 @@ def study(
     file = own._state.file
     rows = study_request.run_study(
         own.network,
-        study_rows.Workers(jobs, scheduler, memory_bytes=memory_bytes),
+        jobs=jobs,
+        scheduler=scheduler,
+        memory_bytes=memory_bytes,
         name="" if file is None else file.stem,
         folder=own.folder,
         read=[] if file is None else [file],

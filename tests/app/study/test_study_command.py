@@ -8,7 +8,6 @@ import pytest
 
 from app.run.shipped import find_network, shipped_networks
 from app.study.study_request import run_study
-from app.study.study_rows import Workers
 from core.network.file import load_network
 from nodes.library import standard_library
 from tradeoff_network import DOCUMENT, mtf
@@ -168,7 +167,7 @@ def test_the_default_figures_of_a_shipped_network_are_numbers(name):
         if isinstance(value, float) and value > 0 and not name.startswith(("fov", "cut"))
     )
     vary = {number: [value, 1.02 * value]}
-    result = run_study(network, Workers(1), vary=vary, folder=place.folder)
+    result = run_study(network, jobs=1, vary=vary, folder=place.folder)
     assert [row.error for row in result.rows] == ["", ""]
     names = {figure.text for figure in result.study.figures}
     figures = [column.values for column in result.columns() if column.name in names]
