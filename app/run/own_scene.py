@@ -170,8 +170,6 @@ class _Replacing:
         self._before: Image | None = next((o for o in outputs if isinstance(o, Image)), None)
         self._after = reached(plan.network.followers, plan.network.followers.get(name, ()))
         self._converter = ""
-        names = [name.upper() for name in self._info.channels]
-        self._rgb = tuple(map(names.index, "RGB")) if {"R", "G", "B"} <= set(names) else ()
 
     def done(self, stored: str | None) -> SceneReplaced:
         info = self._info
@@ -232,7 +230,7 @@ class _Replacing:
         """One band of samples: as its unit says, else scaled to the range of the scene before."""
         info, own, before = self._info, self._own, self._before
         values: dict[str, Any] = {}
-        if self._rgb:
+        if info.rgb:
             values["bands"] = "luminance"
             self._kind = "samples, from the luminance of the colours"
         elif info.bands > 1:
@@ -323,8 +321,8 @@ class _Replacing:
             raise self._refusal()
         if self._held is not None:
             samples: Array = self._held.samples
-        elif self._rgb:
-            samples = source_file.luminance(info.path, self._rgb)
+        elif info.rgb:
+            samples = source_file.luminance(info.path, info.rgb)
         else:
             samples = formats.read_pixels(info.path)
         first, last = sample_ends(samples)

@@ -42,6 +42,12 @@ class PictureInfo:
     absent_chunks: int = 0  # files of a Zarr store that are not there
     bad_bands: tuple[int, ...] = ()  # by the header, counted from 0; sums leave them out
 
+    @property
+    def rgb(self) -> tuple[int, ...]:
+        """Places of the channels red, green and blue; empty without them."""
+        names = [name.upper() for name in self.channels]
+        return tuple(map(names.index, "RGB")) if {"R", "G", "B"} <= set(names) else ()
+
 
 def delivered_dtype(stored: np.dtype[Any]) -> np.dtype[Any]:
     """Return the precision samples are delivered in.

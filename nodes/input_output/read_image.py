@@ -142,11 +142,10 @@ class ReadImage(PicturePreview, key="read_image", title="Read Image", group="Inp
     def _channel(self, info: PictureInfo) -> int | tuple[int, ...]:
         if self.bands != "luminance":
             return checked_band(self.band, info.bands, info.path)
-        names = [name.upper() for name in info.channels]
-        if not {"R", "G", "B"} <= set(names):
+        if not info.rgb:
             why = f"set bands to one or all, because {info.path.name} has no channels R, G and B"
             raise ParameterError("bands", self.bands, why)
-        return tuple(names.index(name) for name in "RGB")
+        return info.rgb
 
     def of_samples(self, held: source_file.HeldSamples, node: str) -> ImageOutput:
         """The picture of samples in memory: that of a file which says no more of them."""
