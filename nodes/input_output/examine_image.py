@@ -22,7 +22,7 @@ from core.chain.wires import (
     spectrum,
 )
 from core.errors import DataError, ParameterError
-from core.evaluation.recipes import in_blocks
+from core.evaluation.recipes import ends_lineage, in_blocks
 from core.evaluation.work import Work
 from core.modules.declaration import Caution, Formula, Module, NodeContext, Section, param, warning
 from core.physics.detector.photon_conversion import SHORTEST_THERMAL_UM
@@ -189,17 +189,20 @@ def displayed(work: Work, samples: Array, *, display: Display, is_image: bool) -
     if display == "linear":
         return samples
     if display == "log":
-        return _logarithm(samples)
+        return logarithm(work, samples)
     if is_image:
-        samples = _logarithm(spectrum(work, samples))
+        samples = logarithm(work, spectrum(work, samples))
     return np.asarray(np.fft.fftshift(samples))
 
 
-def _logarithm(samples: Array) -> Array:
+@ends_lineage
+def logarithm(_work: Work, samples: Array) -> Array:
+    """Decimal logarithm of the modulus; 0 becomes the least other modulus."""
     modulus = np.abs(samples)
     lit = modulus > 0
-    least = float(modulus[lit].min()) if lit.any() else 1.0
-    return np.asarray(np.log10(np.where(lit, modulus, modulus.dtype.type(least))))
+    least = modulus.min(where=lit, initial=np.inf) if lit.any() else 1.0
+    np.maximum(modulus, modulus.dtype.type(least), out=modulus)
+    return np.asarray(np.log10(modulus, out=modulus))
 
 
 def _label(value: Image | Magnitude | Phase | Transfer) -> str:

@@ -21,7 +21,7 @@ from core.modules.preview import signed
 from core.network.network import Network
 from core.records import dataclass, replace
 from nodes.files.formats import check_finite
-from nodes.input_output.examine_image import apparent_temperature
+from nodes.input_output.examine_image import apparent_temperature, logarithm
 from nodes.shared.context_defaults import is_radiance
 
 INNER = (0.005, 0.995)
@@ -364,16 +364,6 @@ def centred_modulus(work: Work, image: Array) -> Array:
 def real(_work: Work, samples: Array) -> Array:
     """The samples, or of complex ones the modulus."""
     return np.abs(samples) if np.iscomplexobj(samples) else samples
-
-
-@ends_lineage
-def logarithm(_work: Work, samples: Array) -> Array:
-    """Decimal logarithm of the modulus; 0 becomes the least other modulus."""
-    modulus = np.abs(samples)
-    lit = modulus > 0
-    least = modulus.min(where=lit, initial=np.inf) if lit.any() else 1.0
-    np.maximum(modulus, modulus.dtype.type(least), out=modulus)
-    return np.asarray(np.log10(modulus, out=modulus))
 
 
 @ends_lineage
