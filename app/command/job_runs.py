@@ -16,6 +16,7 @@ from app.run.evaluation import Evaluation, TimedWork, planned
 from app.run.job import FRAMES, REPORT, Job, Result, Steps
 from app.run.staging import Staging, WriteRecord, WriteRules, check_folder, read_record, real_target
 from app.study.study_drawing import trade_off_content
+from app.study.study_rows import Column, csv_of
 from app.tradeoff.tradeoff_results import default_figures, shown_value, trade_off
 from core.atomic import write_text
 from core.chain.engine import Engine, realize
@@ -27,7 +28,6 @@ from core.network.file import parse_network
 from core.network.network import Network
 from core.network.validation import plain_network
 from core.records import replace
-from nodes.files.table_cells import csv_lines
 from nodes.library import standard_library
 
 UNSAVED = "unsaved network"
@@ -87,10 +87,11 @@ class _Runs:
                 raise next(iter(self._errors.values()))
             page = self._trade_off(staging, figures)
             if job.kind == "files":
-                columns = dict.fromkeys(name for row in self._figures.values() for name in row)
-                named = self._figures.items()
-                rows = [[name, *(row.get(c, "") for c in columns)] for name, row in named]
-                table = printable(csv_lines([["run", *columns], *rows]))
+                rows = self._figures.values()
+                columns = [Column("run", "", [*self._figures])]
+                for figure in dict.fromkeys(figure for row in rows for figure in row):
+                    columns.append(Column(figure, "", [row.get(figure) for row in rows]))
+                table = printable(csv_of(columns))
                 staging.write(job.output / READOUT_TABLE, partial(write_text, content=table))
             self._work().check()
             terminal.too_late(self._cancel)
@@ -148,8 +149,7 @@ class _Runs:
             samples = realize(evaluation.plan.output(evaluation.chain.final), evaluation.work)
             step = max(1, -(-max(samples.shape) // PREVIEW_PX))
             few = np.ascontiguousarray(samples[::step, ::step])
-            levels = saving.grey_levels(*saving.robust_limits(samples), few)
-            self._previews[name] = saving.encode_png(levels)
+            self._previews[name] = saving.grey_png(few, saving.robust_limits(samples))
         if self._job.kind == "report":
             self._steps.part("writing the report")
 

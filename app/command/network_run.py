@@ -306,5 +306,4 @@ def _final_png(evaluation: run.Evaluation, port: str, path: Path) -> None:
     samples = realize(evaluation.plan.output(port), evaluation.work)
     formats.check_finite(samples, port)
     samples = run.reduced(samples, evaluation.work)
-    levels = saving.grey_levels(*saving.robust_limits(samples), samples)
-    write_bytes(path, saving.encode_png(levels))
+    write_bytes(path, saving.grey_png(samples))

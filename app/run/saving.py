@@ -215,6 +215,11 @@ def robust_limits(samples: NDArray[Any]) -> tuple[float, float]:
     return low, high
 
 
+def grey_png(samples: NDArray[Any], limits: tuple[float, float] | None = None) -> bytes:
+    """Samples as a grey PNG, from black to white at the limits, by default the robust ones."""
+    return encode_png(grey_levels(*(limits or robust_limits(samples)), samples))
+
+
 def encode_png(levels: Grey) -> bytes:
     """Bytes of a grey PNG file (ISO/IEC 15948)."""
     rows, columns = levels.shape

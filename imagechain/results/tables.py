@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.run.evaluation import Evaluation, block_means, each_readout
-from app.run.saving import encode_png, grey_levels, metadata_of, robust_limits, save_array
+from app.run.saving import grey_png, metadata_of, save_array
 from app.run.terminal import columns, jsonable, number_text, warned_points, without_rounding
 from app.run.transfer_chain import Response, responses_along
 from core.arrays import Vector
@@ -227,9 +227,9 @@ class StudyTable(_Named[list[Any]]):
     """
 
     def __init__(self, rows: StudyRows) -> None:
-        self._rows = rows
-        super().__init__({column.name: list(column.values) for column in rows.columns()})
-        self.units: dict[str, str] = {column.name: column.unit for column in rows.columns()}
+        self._rows, self._columns = rows, rows.columns()
+        super().__init__({column.name: list(column.values) for column in self._columns})
+        self.units: dict[str, str] = {column.name: column.unit for column in self._columns}
 
     def _no(self, name: str) -> Exception:
         known = close(name, self) or f"; the columns are {', '.join(self)}"
@@ -248,32 +248,31 @@ class StudyTable(_Named[list[Any]]):
     @plain_errors
     def to_frame(self) -> DataFrame:
         """Return a pandas `DataFrame`, with units in the column names."""
-        return _frame({column.head: column.typed for column in self._rows.columns()})
+        return _frame({column.head: column.typed for column in self._columns})
 
-    def _texts(self, most: int) -> list[list[str]]:
-        rows = zip(*self._values.values(), strict=True)
-        return [
+    def _texts(self) -> tuple[list[str], list[list[str]], str]:
+        """Heads, the first rows, and how many points there are and what they warn of."""
+        first = islice(zip(*self._values.values(), strict=True), _SHOWN)
+        rows = [
             [number_text(v) if isinstance(v, float) else "" if v is None else str(v) for v in row]
-            for row in islice(rows, most)
+            for row in first
         ]
+        every = self._rows.rows
+        ends = [several(len(every), "point"), *warned_points([row.warnings for row in every])]
+        return [column.head for column in self._columns], rows, "\n".join(ends)
 
     def __repr__(self) -> str:
-        heads = [column.head for column in self._rows.columns()]
-        count = len(self._rows.rows)
-        more = f"\nand {count - _SHOWN} more" if count > _SHOWN else ""
-        ends = [several(count, "point"), *self._warned()]
-        return columns([heads, *self._texts(_SHOWN)]) + more + "\n" + "\n".join(ends)
-
-    def _warned(self) -> list[str]:
-        return warned_points([row.warnings for row in self._rows.rows])
+        heads, rows, ends = self._texts()
+        left = len(self._rows.rows) - len(rows)
+        more = f"\nand {left} more" if left else ""
+        return f"{columns([heads, *rows])}{more}\n{ends}"
 
     def _repr_html_(self) -> str:
         from app.study.study_drawing import study_png
 
-        heads = [column.head for column in self._rows.columns()]
-        count = "\n".join([several(len(self._rows.rows), "point"), *self._warned()])
+        heads, rows, ends = self._texts()
         picture = png(study_png(self._rows), alt="figures of the study")
-        return block(picture, table(heads, self._texts(_SHOWN), caption=count))
+        return block(picture, table(heads, rows, caption=ends))
 
 
 def _frame(columns: Mapping[str, Any]) -> DataFrame:
@@ -398,7 +397,7 @@ class Picture:
         samples = self.samples[0] if self.samples.ndim == 3 else self.samples
         if most_px is not None and max(samples.shape) > most_px:
             samples = block_means(samples, *(-(-side // most_px) for side in samples.shape))
-        return encode_png(grey_levels(*robust_limits(samples), samples))
+        return grey_png(samples)
 
     def __repr__(self) -> str:
         size = " × ".join(map(str, self.shape))
