@@ -233,6 +233,21 @@ def _is_at(path: Path, descriptor: int) -> bool:
 
 
 @contextlib.contextmanager
+def temporary_folder(folder: Path) -> Iterator[Path]:
+    """A new folder inside another, locked by this process and gone at the end."""
+    place = folder / f"{FOLDER_PREFIX}{new_mark()}"
+    place.mkdir()
+    let_go = None
+    try:
+        let_go = take(place / LOCK)
+        yield place
+    finally:
+        if let_go is not None:
+            let_go()
+        shutil.rmtree(place, ignore_errors=True)
+
+
+@contextlib.contextmanager
 def in_turn(path: Path, wait_s: float = 10.0) -> Iterator[None]:
     """Hold a lock that others wait for; its file stays.
 

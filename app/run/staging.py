@@ -41,17 +41,14 @@ class Staging:
         self._staged: list[tuple[Path, Path, Path]] = []  # file, target, and how it was given
         self._guards: dict[Path, Guard] = {}
         self._places: dict[Path, Path] = {}
-        self._locks: list[Callable[[], None]] = []
+        self._open = contextlib.ExitStack()
         self._swept: set[Path] = set()
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:
-        for let_go in self._locks:
-            let_go()
-        for place in self._places.values():
-            shutil.rmtree(place, ignore_errors=True)
+        self._open.close()
 
     def claim(self, target: Path, guard: Guard | None = None) -> None:
         """Reserve `target` for writing, so that a bad one is refused before any work.
@@ -153,13 +150,8 @@ class Staging:
         # Beside the target, so that the final rename stays within one file system.
         folder = _existing(real.parent)
         if folder not in self._places:
-            place = folder / f"{atomic.FOLDER_PREFIX}{atomic.new_mark()}"
             with writing(target):
-                place.mkdir()
-                self._places[folder] = place
-                lock = atomic.take(place / atomic.LOCK)
-            if lock is not None:
-                self._locks.append(lock)
+                self._places[folder] = self._open.enter_context(atomic.temporary_folder(folder))
         return self._places[folder]
 
 

@@ -12,7 +12,6 @@ import importlib.util
 import itertools
 import math
 import os
-import shutil
 import stat
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -21,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from core.arrays import Array
-from core.atomic import FOLDER_PREFIX, LOCK, flush, new_mark, sweep, take
+from core.atomic import flush, sweep, temporary_folder
 from core.errors import FileError, how_to_install
 from core.machine import Empty
 from core.records import dataclass
@@ -76,19 +75,12 @@ def atomic_store(path: Path) -> Iterator[Path]:
     if not target.parent.is_dir():
         raise FileError(f"cannot write {path}: there is no folder {path.parent}")
     sweep(target.parent)
-    place = target.parent / f"{FOLDER_PREFIX}{new_mark()}"
-    let_go = None
     try:
-        place.mkdir()
-        let_go = take(place / LOCK)
-        yield place / "new"
-        _exchange(target, place)
+        with temporary_folder(target.parent) as place:
+            yield place / "new"
+            _exchange(target, place)
     except OSError as error:
         raise FileError(f"cannot write {path}: {error.strerror or error}") from error
-    finally:
-        if let_go is not None:
-            let_go()
-        shutil.rmtree(place, ignore_errors=True)
 
 
 def _exchange(target: Path, place: Path) -> None:
