@@ -266,7 +266,7 @@ def size_of(symbol):
     return size
 
 
-@pytest.mark.parametrize("symbol", symbols())
+@pytest.mark.parametrize("symbol", sorted(symbols()))
 def test_every_unit_is_converted_by_its_prefixes(symbol):
     for other in fitting(symbol):
         expected = 3 * size_of(symbol) / size_of(other)
