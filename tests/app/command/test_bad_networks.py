@@ -47,7 +47,8 @@ def test_tells_how_many_more(fails, imagechain, write, small, count):
     assert done.returncode == 2
     assert len(done.stdout.splitlines()) == count
     first = "blur: sigma_x_mrad = -1 mrad is not allowed: must be a number of at least 0"
-    assert done.stderr == f"imagechain: net: 3 errors, the first: {first}\n"
+    found = "1 error" if count == 1 else f"{count} errors"
+    assert done.stderr == f"imagechain: net: {found}, the first: {first}\n"
 
 
 def read_image(document, path):
