@@ -53,12 +53,14 @@ class Axis:
         low, high = sorted((self.low, self.high if self.reach is None else self.reach))
         step = round_step((high - low) / most)
         first, last = math.ceil(low / step - 1e-6), math.floor(high / step + 1e-6)
-        places = max(0, -math.floor(math.log10(step) + 1e-9))
-        scientific = step >= 1e5 or step < 1e-5
+        power = math.floor(math.log10(step) + 1e-9)
+        form = f".{max(0, -power)}f"
+        if step >= 1e5 or step < 1e-5:  # in as many digits as tell one from the next
+            form = f".{max(2, math.floor(math.log10(max(-low, high))) - power + 1)}g"
         ticks = []
         for count in range(first, last + 1):
             value = count * step
-            text = f"{value:.2g}" if scientific else f"{value:.{places}f}"
+            text = f"{value:{form}}"
             ticks.append((value, signed(text) if count else "0"))
         return tuple(ticks)
 
@@ -194,9 +196,11 @@ def brief(value: float, digits: int = 3) -> str:
     """A number in that many digits, such as 0.489 or 1.1·10¹¹."""
     if value == 0 or not math.isfinite(value):
         return f"{value:g}".replace("-0", "0")
+    shown = f"{value:.{digits - 1}e}"
     if _PLAIN[0] <= abs(value) < _PLAIN[1]:
-        return signed(f"{value:.{digits}g}" if abs(value) < 10**digits else f"{value:.0f}")
-    mantissa, _, exponent = f"{value:.{digits - 1}e}".partition("e")
+        whole = abs(float(shown)) >= 10**digits  # as shown: 999.6 in three digits is 1000
+        return signed(f"{value:.0f}" if whole else f"{value:.{digits}g}")
+    mantissa, _, exponent = shown.partition("e")
     if "." in mantissa:
         mantissa = mantissa.rstrip("0").rstrip(".")
     return signed(f"{mantissa}·{power_of_ten(int(exponent))}")
