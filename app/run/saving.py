@@ -171,14 +171,7 @@ def _context_rows(context: Context) -> list[tuple[Any, ...]]:
 
 
 def _save_rows(path: Path, rows: Iterable[tuple[Any, ...]]) -> None:
-    cells = (map(_cell, row) for row in rows)
-    atomic.write_text(path, table_cells.csv_lines([("name", "value", "unit", "meaning"), *cells]))
-
-
-def _cell(value: Any) -> Any:
-    if isinstance(value, float):
-        return repr(float(value))
-    return "" if value is None else value
+    atomic.write_text(path, table_cells.csv_lines([("name", "value", "unit", "meaning"), *rows]))
 
 
 # The picture every run writes: 8-bit grey PNG, without loading a picture library.
