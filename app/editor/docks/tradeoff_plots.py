@@ -103,7 +103,9 @@ class TradeOffPlots(QWidget):
     def show_graphs(self, graphs: Sequence[Graph], span: Span | None, label: str) -> None:
         self.graphs, self.span, self.label = tuple(graphs) if span else (), span, label
         while len(self.charts) > len(self.graphs):
-            self.charts.pop().deleteLater()
+            chart = self.charts.pop()
+            chart.hide()  # Qt may paint it once more before it is deleted
+            chart.deleteLater()
         while len(self.charts) < len(self.graphs):
             self.charts.append(FigureChart(self))
         self._place_charts()

@@ -16,7 +16,7 @@ from app.editor.declared_text import label_of, shown_figure, shown_number
 from app.editor.docks import tradeoff_plots
 from app.editor.evaluation.queries import Answer, Passing, Query
 from app.editor.panels.fields.type_in import TypeIn
-from app.editor.session import Session, renamed_node
+from app.editor.session import Session, followed_name, renamed_node
 from app.editor.viewers.plot.plot_export import KINDS, have_plot_menu, save_plot
 from app.editor.viewers.plot.plot_looks import CurveList, thick
 from app.editor.viewers.plot.plotted_lines import Entry, Line, value_at
@@ -126,12 +126,12 @@ class TradeOffView(Viewer):
         self._draw()
 
     def follow(self, before: Network, after: Network) -> None:
-        old, new = renamed_node(before, after) or ("", "")
-        if old and self._chosen is not None:
+        renamed = renamed_node(before, after)
+        if self._chosen is not None:
             split = (name.rpartition(".") for name in self._chosen)
-            self._chosen = frozenset(f"{new if a == old else a}{dot}{b}" for a, dot, b in split)
-        if old and old == self.varied.node:
-            self.varied.choose(new, self.varied.name)
+            self._chosen = frozenset(f"{followed_name(a, renamed)}{dot}{b}" for a, dot, b in split)
+        if (node := followed_name(self.varied.node, renamed)) != self.varied.node:
+            self.varied.choose(node, self.varied.name)
         if ports_depend_on(after) != self._known:
             self._follow_nodes()
         self._show_mark()

@@ -10,6 +10,8 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QFileDialog, QMenu
 
 from app.editor.docks.tradeoff_plots import Span
+from core.editing import macros
+from core.editing.operations import rename_node
 from window_hands import give_focus, place_in
 
 KEY, LEFT = Qt.Key, Qt.MouseButton.LeftButton
@@ -160,3 +162,20 @@ def test_range_and_figures_are_chosen_and_written(opened_window, dock, idle, gra
     assert [float(row[MTF]) for row in written] == list(graph(MTF).y)
     dock.export(tmp_path / "a.png")
     assert QImage(str(tmp_path / "a.png")).width() == 2 * dock.plots.width()
+
+
+def test_what_is_varied_and_shown_follows_a_macro_that_is_renamed(opened_window, idle):
+    session, views = opened_window.session, opened_window.viewers
+    name, grouped = macros.group(session.network, session.library, ["blur"], "lens")
+    session.do(grouped)
+    end, grouped = macros.group(session.network, session.library, ["electronics"], "end")
+    session.do(grouped)
+    views.trade_off(f"{name}/blur", "sigma_x_mrad")
+    view = views.tradeoff
+    view.show_figure(MTF, False)
+    view.show_figure(f"{end}/electronics.snr", True)
+    session.do(rename_node(name, "telescope"))
+    session.do(rename_node(end, "camera"))
+    idle(opened_window)
+    assert (view.varied.node, view.varied.name) == ("telescope/blur", "sigma_x_mrad")
+    assert "camera/electronics.snr" in [one.name for _, one in view.plots.graphs]
