@@ -334,9 +334,7 @@ def _measured(samples: NDArray[Any], kind: str, caption: str) -> str:
         [picture_measurement.PictureFile.of("picture", [picture])]
     )
     if kind == "edges":
-        return figures.png_figure(
-            measurement_page.edges_png(measured, measured.previews[0]), caption, kind
-        )
+        return figures.png_figure(measurement_page.edges_png(measured, 0), caption, kind)
     return figures.png_figure(measurement_page.mtf_png(measured), caption, kind)
 
 

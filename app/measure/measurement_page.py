@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from app.measure import measurement_text as told
-from app.measure.picture_measurement import MeasuredEdge, NoiseFigures, PictureMeasurement, Preview
+from app.measure.picture_measurement import MeasuredEdge, PictureMeasurement
 from app.report import html_page as html
 from app.report.drawing.picture_drawing import COLOURS, figure, number
 from app.run.saving import robust_limits
@@ -16,7 +16,6 @@ from app.run.terminal import json_text, values_of
 from core.atomic import write_text
 from core.errors import DataError, UsageError, listed, printable
 from core.physics.measurement.edge_mtf import LARGEST_ANGLE_DEG, MtfCurve
-from core.physics.measurement.picture_noise import FramesNoise
 from core.records import asdict
 from nodes.files.curve_tables import LARGEST_MTF
 from nodes.files.file_format import CSV, HTML, JSON, suffixes
@@ -63,13 +62,13 @@ def _edges(measured: PictureMeasurement) -> str:
     blocks = html.heading(2, "Edges")
     if not measured.edges:
         return blocks + html.paragraph("No straight edge was found.")
-    for preview in measured.previews:
-        name = measured.picture_name(preview.picture)
+    for picture in range(len(measured.previews)):
+        name = measured.picture_name(picture)
         caption = (
             f"{name}. The tables below refer to edges by number. Grey levels span the 0.1 % to "
             "99.9 % quantiles."
         )
-        drawn = edges_png(measured, preview)
+        drawn = edges_png(measured, picture)
         blocks += html.drawn(drawn, caption, f"edges of {name}")
     more = measured.picture_count - len(measured.previews)
     if more > 0:
@@ -160,22 +159,22 @@ _MOST_CURVES = 40
 _UNSURE = 0.25  # standard error from which on a single edge's MTF is not drawn
 
 
-def edges_png(measured: PictureMeasurement, preview: Preview) -> bytes:
+def edges_png(measured: PictureMeasurement, picture: int) -> bytes:
     """One picture with its edges: used ones in full lines with their numbers, others dashed."""
-    rows, columns = (size * preview.factor for size in preview.samples.shape)
+    preview, (rows, columns) = measured.previews[picture], measured.preview_shape
     width = 10.0 if columns >= 0.9 * rows else 6.5
     with figure(width, min(width * rows / columns, 12.0) + 0.5) as (drawn, out):
         axis = drawn.subplots()
-        low, high = robust_limits(preview.samples)
+        low, high = robust_limits(preview)
         axis.imshow(
-            preview.samples, cmap="gray", vmin=low, vmax=high if high > low else low + 1.0,
+            preview, cmap="gray", vmin=low, vmax=high if high > low else low + 1.0,
             extent=(-0.5, columns - 0.5, rows - 0.5, -0.5), interpolation="nearest",
         )  # fmt: skip
         axis.grid(visible=False)
         axis.set_xlabel("column")
         axis.set_ylabel("row")
         every = enumerate(measured.edges, 1)
-        own = [(number, edge) for number, edge in every if edge.picture == preview.picture]
+        own = [(number, edge) for number, edge in every if edge.picture == picture]
         for number, edge in sorted(own, key=lambda one: one[1].used):
             _draw_edge(axis, edge, number if len(own) <= _MOST_NUMBERED or edge.used else None)
         axis.set_xlim(-0.5, columns - 0.5)
@@ -279,6 +278,10 @@ def _second_scale(axis: Any, interval_mrad: float | None) -> None:
 
 Json = dict[str, Any]
 WRITTEN = (JSON, CSV, HTML)
+_NOISE = (
+    "sigma", "sigma_error", "gain_e_per_dn", "gain_error", "read_noise_dn", "read_noise_error",
+    "offset_dn", "mean_level", "row_sigma", "column_sigma", "step",
+)  # fmt: skip
 _FOUND = ("x", "y", "angle_deg", "length", "reach", "low", "high")
 
 
@@ -303,11 +306,11 @@ def measurement_facts(measured: PictureMeasurement) -> Json:
             "x": _curve(measured.x, measured.reason_x, measured.interval_x_mrad, measured.pitch_um),
             "y": _curve(measured.y, measured.reason_y, measured.interval_y_mrad, measured.pitch_um),
         },
-        "noise": _noise_json(measured.noise, measured.noise_reason),
+        "noise": _noise_json(measured),
         "edges": [_edge(edge, measured.picture_count > 1) for edge in measured.edges],
     }
     if measured.picture_count > 1:
-        content["frames"] = _frames(measured.frames, measured.frames_reason)
+        content["frames"] = _frames(measured)
     warnings = [*told.file_warnings(measured.files), *measured.warnings]
     if warnings:
         content["warnings"] = warnings
@@ -363,11 +366,16 @@ def _curve(
     }
 
 
-def _noise_json(noise: NoiseFigures | None, reason: str) -> Json:
+def _noise_json(measured: PictureMeasurement) -> Json:
+    noise = measured.noise
     if noise is None:
-        return {"reason": reason}
-    rest = {"reason": noise.reason or None, "remarks": list(noise.remarks) or None}
-    return _given(**asdict(noise) | rest)
+        return {"reason": measured.noise_reason}
+    return _given(
+        **values_of(noise, *_NOISE),
+        levels=[asdict(level) for level in noise.levels],
+        remarks=noise.remarks or None,
+        reason=noise.reason or None,
+    )
 
 
 def _edge(edge: MeasuredEdge, of_several: bool) -> Json:
@@ -384,15 +392,15 @@ def _edge(edge: MeasuredEdge, of_several: bool) -> Json:
     }
 
 
-def _frames(frames: FramesNoise | None, reason: str) -> Json:
+def _frames(measured: PictureMeasurement) -> Json:
+    frames = measured.frames
     if frames is None:
-        return {"reason": reason}
-    components = frames.components
+        return {"reason": measured.frames_reason}
     return {
-        "frames": components.frames,
-        **_given(sigma=frames.sigma, sigma_error=frames.sigma_error),
-        **{f"sigma_{name}": components.variances.sigma(name) for name in told.TEMPORAL},
-        **{f"variance_{name}_error": components.errors.variance(name) for name in told.TEMPORAL},
+        "frames": frames.frames,
+        **_given(**values_of(measured.noise, "sigma", "sigma_error")),
+        **{f"sigma_{name}": frames.variances.sigma(name) for name in told.TEMPORAL},
+        **{f"variance_{name}_error": frames.errors.variance(name) for name in told.TEMPORAL},
     }
 
 

@@ -15,14 +15,10 @@ from core.errors import several
 if TYPE_CHECKING:
     from app.measure import picture_measurement as results
     from core.physics.measurement.edge_mtf import MtfCurve
+    from core.physics.measurement.sample_noise import SampleNoise
 
 # Of what changes from frame to frame: what stays is the scene's as well.
-TEMPORAL = {
-    "tvh": "random noise of each sample",
-    "t": "frame-to-frame noise",
-    "tv": "temporal row noise",
-    "th": "temporal column noise",
-}
+TEMPORAL = ("tvh", "t", "tv", "th")
 _GAMMA = {
     "usual": "8-bit values in this format are usually gamma-encoded",
     "possible": "8-bit values may be gamma-encoded",
@@ -88,7 +84,7 @@ def _mtf_rows(
     return rows
 
 
-def _noise_rows(noise: results.NoiseFigures, unit: str) -> list[Row]:
+def _noise_rows(noise: SampleNoise, unit: str) -> list[Row]:
     rows = [("sigma", with_error(noise.sigma, noise.sigma_error), unit, "noise of a sample")]
     for name, words, value in (
         ("row_sigma", "row", noise.row_sigma), ("column_sigma", "column", noise.column_sigma),
@@ -109,12 +105,14 @@ def _noise_rows(noise: results.NoiseFigures, unit: str) -> list[Row]:
 def frame_rows(measured: results.PictureMeasurement) -> list[Row]:
     if measured.frames is None:
         return []
+    from core.physics.noise.noise_components import MEANINGS
+
     rows = []
-    for name, meaning in TEMPORAL.items():
+    for name in TEMPORAL:
         # An unbiased estimate of next to nothing comes out below zero half the time.
-        sigma = max(measured.frames.components.variances.sigma(name), 0.0)
+        sigma = max(measured.frames.variances.sigma(name), 0.0)
         text = number_text(float(f"{sigma:.4g}"))
-        rows.append((f"sigma_{name}", text, measured.unit, meaning))
+        rows.append((f"sigma_{name}", text, measured.unit, MEANINGS[name]))
     return rows
 
 

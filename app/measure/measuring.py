@@ -6,12 +6,14 @@ from pathlib import Path
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from app.measure import picture_measurement as results
 from app.measure.measurement_text import exceeds_one, in_words
-from core.arrays import Matrix
+from core.arrays import Matrix, block_means
 from core.errors import DataError, ParameterError, several
 from core.physics.measurement import edge_mtf, edge_search, found_edge, picture_noise
+from core.physics.measurement.sample_noise import LineNoise, SampleNoise
 from core.physics.sampling.detector_sampling import interval_mrad
 from core.records import replace
 from nodes.files.frames import open_frames
@@ -21,7 +23,6 @@ _INTERPOLATED = "The MTF includes the interpolation, and the noise is not measur
 _LEAST = 16  # rows and columns, below which nothing is measured
 _MOST_COLOURS = 4
 MOST_PREVIEWS = 4
-_PREVIEW_SAMPLES = 1400  # of a side
 _LARGEST = 1e60
 _WIDEST_UM = 10_000.0  # of a pixel
 _OVERSHOOT = 0.05  # of the MTF above one, that one edge alone does not prove
@@ -68,12 +69,11 @@ def measure_pictures(
     offset = offset_dn or 0.0
     clip_levels = results.common_limits(files)
     lossy = any(file.is_lossy for file in files)
-    many = sum(file.frames for file in files) > 1
-    taken = picture_noise.SceneFrames(first.rows, first.columns) if many else None
+    several_frames = sum(file.frames for file in files) > 1 and not lossy
+    taken = picture_noise.SceneFrames(first.rows, first.columns) if several_frames else None
     edges: list[results.MeasuredEdge] = []
-    previews: list[results.Preview] = []
-    noises: list[picture_noise.PictureNoise] = []
-    no_noise: list[str] = []
+    previews: list[NDArray[np.float32]] = []
+    noises: list[SampleNoise | str] = []  # or why a picture has none
     warnings: list[str] = []
     for number, picture in enumerate(picture for file in files for picture in file.pictures()):
         file, frame = results.file_of(files, number)
@@ -82,7 +82,7 @@ def measure_pictures(
         check()
         _refuse_unfit(picture, name, offset_dn)
         if number < MOST_PREVIEWS:
-            previews.append(_preview(picture, number))
+            previews.append(_preview(picture))
         if taken is not None:
             taken.add(picture)
         own = edges_of(picture=picture, number=number, clip_levels=clip_levels, check=check)
@@ -95,20 +95,21 @@ def measure_pictures(
         )
         if interpolated:
             warnings.append(f"{name}: {interpolated}. {_INTERPOLATED}")
-            no_noise.append(interpolated)
+            noises.append(interpolated)
             continue
         try:
             missing = found_edge.missing_samples(picture=picture)
             noise_of = picture_noise.noise_of_picture
             noises.append(noise_of(picture=picture, avoid=missing, offset=offset, check=check))
         except DataError as error:  # numbers too large or too small for it
-            no_noise.append(error.message)
-    noise, noise_reason = pooled_noise(noises, offset_dn=offset)
-    if not noises:
-        noise_reason = no_noise[0] if no_noise else results.WITH_LOSS
-    frames, frames_reason = (None, results.WITH_LOSS) if lossy else _frames(taken, offset)
-    if frames is not None:
-        noise, noise_reason = with_frames(noise, noise_reason, frames, offset)
+            noises.append(error.message)
+    noise, noise_reason = pooled_noise(noises)
+    frames, frames_reason = None, results.WITH_LOSS if lossy else "a single picture"
+    if taken is not None:
+        of_frames, components = taken.measured(offset=offset)
+        frames_reason = of_frames.sigma_reason
+        if of_frames.sigma is not None:  # the scene stood still
+            noise, noise_reason, frames = of_frames, "", components
     x, reason_x = pooled(edges, "x")
     y, reason_y = pooled(edges, "y")
     described = tuple(replace(file, samples=None) for file in files)  # which holds no arrays
@@ -161,12 +162,9 @@ def _refuse_unfit(picture: Matrix, name: str, offset: float | None) -> None:
         )
 
 
-def _preview(picture: Matrix, number: int) -> results.Preview:
-    rows, columns = picture.shape
-    factor = max(1, -(-max(rows, columns) // _PREVIEW_SAMPLES))
-    whole = picture[: rows // factor * factor, : columns // factor * factor]
-    squares = whole.reshape(rows // factor, factor, columns // factor, factor)
-    return results.Preview(number, squares.mean(axis=(1, 3)).astype(np.float32), factor)
+def _preview(picture: Matrix) -> NDArray[np.float32]:
+    factor = results.preview_factor(*picture.shape)
+    return block_means(picture, factor).astype(np.float32)
 
 
 def without_edge(
@@ -180,18 +178,6 @@ def without_edge(
     x, reason_x = pooled(edges, "x")
     y, reason_y = pooled(edges, "y")
     return replace(measured, edges=tuple(edges), x=x, y=y, reason_x=reason_x, reason_y=reason_y)
-
-
-def _frames(
-    taken: picture_noise.SceneFrames | None, offset_dn: float
-) -> tuple[picture_noise.FramesNoise | None, str]:
-    """Noise from frame to frame, if the scene stood still."""
-    if taken is None:
-        return None, "a single picture"
-    measured = taken.measured(offset=offset_dn)
-    if measured.sigma is None:
-        return None, measured.sigma_reason
-    return measured, ""
 
 
 def _dark_level(path: Path, first: results.PictureFile, check: Callable[[], None]) -> float:
@@ -211,14 +197,14 @@ def _dark_level(path: Path, first: results.PictureFile, check: Callable[[], None
 # Noise in the flat areas of pictures of one camera, taken together.
 
 _SEVERAL = 2
-_STANDS_OUT = 3.0  # standard errors
 _Figure = tuple[float | None, float | None]
 
 
-def pooled_noise(
-    measured: Sequence[picture_noise.PictureNoise], *, offset_dn: float
-) -> tuple[results.NoiseFigures | None, str]:
+def pooled_noise(seen: Sequence[SampleNoise | str]) -> tuple[SampleNoise | None, str]:
     """The noise of the pictures that show it, or the reason why none does."""
+    measured = [one for one in seen if isinstance(one, SampleNoise)]
+    if not measured:
+        return None, next((one for one in seen if isinstance(one, str)), results.WITH_LOSS)
     known = [(one, one.sigma, one.sigma_error) for one in measured]
     good = [(one, s, e) for one, s, e in known if s is not None and e is not None]
     if not good:
@@ -228,46 +214,24 @@ def pooled_noise(
     error = math.sqrt(math.fsum((s * e) ** 2 for _, s, e in good)) / (sigma * len(good))
     gain, gain_error = _weighted((one.gain_e_per_dn, one.gain_error) for one in noises)
     read, read_error = _weighted((one.read_noise_dn, one.read_noise_error) for one in noises)
-    no_gain = _once(one.gain_reason for one in noises) if gain is None else []
-    no_read = _once(one.read_noise_reason for one in noises) if read is None else []
     steps = [one.step for one in noises if one.step is not None]
-    return results.NoiseFigures(
-        sigma, error, gain, gain_error, read, read_error, offset_dn,
-        math.fsum(one.mean_level for one in noises) / len(noises),
-        _lines(one.rows for one in noises), _lines(one.columns for one in noises),
-        min(steps) if steps else None,
-        tuple(level for one in noises for level in one.levels),
-        tuple(_once(line for one in noises for line in one.remarks)),
-        _missing(_first(no_gain), _first(no_read)),
-    ), ""  # fmt: skip
-
-
-def with_frames(
-    noise: results.NoiseFigures | None,
-    reason: str,
-    frames: picture_noise.FramesNoise,
-    offset_dn: float,
-) -> tuple[results.NoiseFigures | None, str]:
-    """The noise of what changes in frames of a scene that stands still."""
-    if frames.sigma is None or frames.sigma_error is None:
-        return noise, reason
-    missing = _missing(
-        frames.gain_reason if frames.gain_e_per_dn is None else "",
-        frames.read_noise_reason if frames.read_noise_dn is None else "",
-    )
-    return results.NoiseFigures(
-        frames.sigma, frames.sigma_error, frames.gain_e_per_dn, frames.gain_error,
-        frames.read_noise_dn, frames.read_noise_error, offset_dn, frames.mean_level, None, None,
-        frames.step, frames.levels,
-        ("the noise figures contain temporal noise only, no fixed-pattern noise",), missing,
-    ), ""  # fmt: skip
-
-
-def _missing(no_gain: str, no_read: str) -> str:
-    if no_gain and no_gain == no_read:
-        return f"no gain and no read noise: {no_gain}"
-    parts = (("no gain", no_gain), ("no read noise", no_read))
-    return "; ".join(f"{what}: {why}" for what, why in parts if why)
+    return SampleNoise(
+        mean_level=math.fsum(one.mean_level for one in noises) / len(noises),
+        offset_dn=noises[0].offset_dn,
+        step=min(steps) if steps else None,
+        sigma=sigma,
+        sigma_error=error,
+        gain_e_per_dn=gain,
+        gain_error=gain_error,
+        gain_reason=_first(_once(one.gain_reason for one in noises)),
+        read_noise_dn=read,
+        read_noise_error=read_error,
+        read_noise_reason=_first(_once(one.read_noise_reason for one in noises)),
+        levels=tuple(level for one in noises for level in one.levels),
+        rows=_lines(one.rows for one in noises),
+        columns=_lines(one.columns for one in noises),
+        remarks=tuple(_once(line for one in noises for line in one.remarks)),
+    ), ""
 
 
 def _first(reasons: Sequence[str]) -> str:
@@ -292,14 +256,13 @@ def _weighted(figures: Iterable[_Figure]) -> _Figure:
     return mean, total**-0.5
 
 
-def _lines(lines: Iterable[picture_noise.LineNoise | None]) -> float | None:
-    """Deviation of what rows or columns have of their own, 0 where it does not stand out."""
+def _lines(lines: Iterable[LineNoise | None]) -> LineNoise | None:
     known = [line for line in lines if line is not None]
     if not known:
         return None
     variance = math.fsum(line.variance for line in known) / len(known)
     error = math.sqrt(math.fsum(line.variance_error**2 for line in known)) / len(known)
-    return math.sqrt(variance) if variance > _STANDS_OUT * error else 0.0
+    return LineNoise(variance, error)
 
 
 # Edges of pictures: searched for, measured one by one, and pooled by direction.

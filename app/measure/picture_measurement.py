@@ -9,7 +9,9 @@ from numpy.typing import NDArray
 
 from core.arrays import Matrix
 from core.errors import DataError, UsageError
-from core.physics.measurement import edge_mtf, found_edge, picture_noise, sample_noise
+from core.physics.measurement import edge_mtf, found_edge
+from core.physics.measurement.sample_noise import SampleNoise
+from core.physics.noise.noise_components import MeasuredNoise
 from core.physics.sampling.detector_sampling import interval_mrad
 from core.records import dataclass
 from nodes.files import arrays, picture_info, stored_bytes
@@ -63,31 +65,12 @@ class MeasuredEdge:
         return max(abs(part) for part in self.found.normal)
 
 
-@dataclass(frozen=True, eq=False)
-class Preview:
-    picture: int  # its number among those measured
-    samples: NDArray[np.float32]  # means of squares of `factor` samples, single precision
-    factor: int  # samples along a side of such a square
+_PREVIEW_SAMPLES = 1400  # of a side
 
 
-@dataclass(frozen=True)
-class NoiseFigures:
-    """Noise of a sample in the flat areas of all pictures."""
-
-    sigma: float  # standard deviation in the picture's unit
-    sigma_error: float  # its standard error
-    gain_e_per_dn: float | None  # by how the variance rises with the level
-    gain_error: float | None
-    read_noise_dn: float | None
-    read_noise_error: float | None
-    offset_dn: float  # the level without light, which the read noise is for
-    mean_level: float  # of the pictures, which `sigma` is for
-    row_sigma: float | None  # of whole rows, and columns; 0 where none stands out
-    column_sigma: float | None
-    step: float | None  # of the converter; None where the samples show none
-    levels: tuple[sample_noise.LevelVariance, ...]
-    remarks: tuple[str, ...]
-    reason: str  # why what is missing could not be measured
+def preview_factor(rows: int, columns: int) -> int:
+    """Samples along a side of the squares whose means a preview has."""
+    return -(-max(rows, columns, 1) // _PREVIEW_SAMPLES)
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,11 +86,11 @@ class PictureMeasurement:
     y: edge_mtf.MtfCurve | None
     reason_x: str  # why there is none
     reason_y: str
-    noise: NoiseFigures | None  # of the flat areas of the pictures
+    noise: SampleNoise | None  # of the flat areas of the pictures, or from frame to frame
     noise_reason: str  # why there is none
-    frames: picture_noise.FramesNoise | None = None  # noise from frame to frame
+    frames: MeasuredNoise | None = None  # components of the noise from frame to frame
     frames_reason: str = ""  # why there are none
-    previews: tuple[Preview, ...] = ()  # the first pictures
+    previews: tuple[NDArray[np.float32], ...] = ()  # the first pictures, as means of squares
     pitch_um: float | None = None  # from one pixel to the next, where it was given
     warnings: tuple[str, ...] = ()  # what makes the figures other than those of the camera
 
@@ -120,6 +103,12 @@ class PictureMeasurement:
 
     def picture_name(self, number: int) -> str:
         return picture_name(self.files, number)
+
+    @property
+    def preview_shape(self) -> tuple[int, int]:
+        """Rows and columns of the pictures that the previews show."""
+        factor = preview_factor(self.rows, self.columns)
+        return self.rows // factor * factor, self.columns // factor * factor
 
 
 def picture_name(files: "Sequence[PictureFile]", number: int) -> str:

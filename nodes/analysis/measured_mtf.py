@@ -6,7 +6,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from core.arrays import Array, Vector
+from core.arrays import Array, Vector, block_means
 from core.chain.wires import Curve, CurveData, CurveMark, Image, Series, Table, TableData
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Region, Step, marked
@@ -153,10 +153,8 @@ def _region(
 
 def _direction(region: NDArray[np.float64]) -> str:
     """Across what the picture changes most; means of blocks, which noise changes little."""
-    rows, columns = (size // _BLOCK for size in region.shape)
-    if min(rows, columns) >= 2:
-        whole = region[: rows * _BLOCK, : columns * _BLOCK]
-        region = whole.reshape(rows, _BLOCK, columns, _BLOCK).mean(axis=(1, 3))
+    if min(region.shape) >= 2 * _BLOCK:
+        region = block_means(region, _BLOCK)
     across, along = (float(np.sum(np.diff(region, axis=axis) ** 2)) for axis in (1, 0))
     return "horizontal" if across >= along else "vertical"
 

@@ -21,7 +21,7 @@ from core.modules.preview import Axis, signed
 
 if TYPE_CHECKING:
     from app.fit.edge_fit import EdgesAt, Patch
-    from app.measure.picture_measurement import MeasuredEdge, PictureMeasurement, Preview
+    from app.measure.picture_measurement import MeasuredEdge, PictureMeasurement
     from core.physics.measurement.edge_mtf import MtfCurve
 
 _DELETE_KEYS = (Qt.Key.Key_Delete, Qt.Key.Key_Backspace)
@@ -204,7 +204,8 @@ class EdgeCanvas(pg.PlotWidget):  # type: ignore[misc]
         self.addItem(self._image)
         self._lines: list[pg.PlotCurveItem] = []
         self._measured: PictureMeasurement | None = None
-        self._preview: Preview | None = None
+        self._picture = 0
+        self._preview: Any = None  # samples of that picture
         self._current = -1
         self._all = True
         self.hint = centred_hint(_HINT, self)
@@ -221,17 +222,18 @@ class EdgeCanvas(pg.PlotWidget):  # type: ignore[misc]
 
         preview = None
         if measured is not None and measured.previews:
-            preview = measured.previews[min(picture, len(measured.previews) - 1)]
-        self._measured = measured
+            picture = min(picture, len(measured.previews) - 1)
+            preview = measured.previews[picture]
+        self._measured, self._picture = measured, picture
         self.hint.setVisible(preview is None)
         self.setBackground(theme_of(self).surround)
         if preview is not self._preview:
             self._preview = preview
             self._image.clear()
-            if preview is not None:
-                low, high = robust_limits(preview.samples)
-                rows, columns = (size * preview.factor for size in preview.samples.shape)
-                self._image.setImage(grey_levels(low, high, preview.samples), levels=(0, 255))
+            if measured is not None and preview is not None:
+                low, high = robust_limits(preview)
+                rows, columns = measured.preview_shape
+                self._image.setImage(grey_levels(low, high, preview), levels=(0, 255))
                 self._image.setRect(QRectF(-0.5, -0.5, columns, rows))
             self.fit()
         self._draw()
@@ -280,7 +282,7 @@ class EdgeCanvas(pg.PlotWidget):  # type: ignore[misc]
             (place, edge)
             for place, edge in enumerate(edges)
             if self._preview is not None
-            and edge.picture == self._preview.picture
+            and edge.picture == self._picture
             and (self._all or place == self._current or edge.curve is not None)
         ]
         return sorted(own, key=lambda one: (one[0] == self._current, one[1].used))

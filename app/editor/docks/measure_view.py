@@ -495,8 +495,8 @@ class MeasureView(WorkerView):
 
     def _show_all(self) -> None:
         measured = self.measured
-        previews = () if measured is None else measured.previews
-        names = [measured.picture_name(one.picture) for one in previews] if measured else []
+        count = 0 if measured is None else len(measured.previews)
+        names = [measured.picture_name(number) for number in range(count)] if measured else []
         shown = self.pictures.currentIndex()
         with QSignalBlocker(self.pictures):
             self.pictures.clear()

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from core.arrays import Matrix, Vector
+from core.arrays import Matrix, Vector, block_means
 from core.errors import DataError
 from core.physics.noise.noise_components import check_frame
 from core.records import dataclass
@@ -172,7 +172,7 @@ def structure_variance(means: NDArray[np.float64]) -> float:
     if min(rows, columns) < _LEAST_BLOCKS * _BLOCK:
         return 0.0
     whole = means[:rows, :columns]
-    blocks = whole.reshape(rows // _BLOCK, _BLOCK, columns // _BLOCK, _BLOCK).mean(axis=(1, 3))
+    blocks = block_means(whole, _BLOCK)
     pixels = float(np.mean(np.diff(np.diff(whole, axis=0), axis=1) ** 2)) / 4.0
     white = pixels / _BLOCK**2
     for axis in (0, 1):

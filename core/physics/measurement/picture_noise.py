@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from core.arrays import Mask, Matrix, Vector
+from core.arrays import Mask, Matrix, Vector, block_means
 from core.errors import DataError, percent
 from core.kernels import special
 from core.physics.measurement import sample_noise
@@ -25,8 +25,8 @@ from core.physics.measurement.flat_blocks import (
     picture_blocks,
     variance_line,
 )
+from core.physics.measurement.sample_noise import LineNoise, SampleNoise, no_noise
 from core.physics.noise.noise_components import MeasuredNoise, NoiseCube
-from core.records import dataclass
 
 _COMPRESSED = (
     f"the picture was compressed in blocks of {SIDE} × {SIDE} samples, as JPEG does, so the "
@@ -45,38 +45,13 @@ _LACKING, _SURE = 0.08, 4.0  # of the fine waves' power, and standard errors of 
 _WITHIN, _CONFIDENCE = 0.03, 1.96
 
 
-@dataclass(frozen=True)
-class LineNoise:
-    """What whole rows, or columns, have of their own."""
-
-    sigma: float  # standard deviation of the rows' offsets; 0 where none shows
-    # its unbiased square, which may come out below zero, and the standard error
-    variance: float
-    variance_error: float
-
-    @property
-    def significant(self) -> bool:
-        """Whether it stands out by three standard errors."""
-        return self.variance > 3.0 * self.variance_error
-
-
-@dataclass(frozen=True, kw_only=True)
-class PictureNoise(sample_noise.SampleNoise):
-    """What a picture shows of its noise."""
-
-    # offsets of rows, and of columns, that hold across the picture; None with too few flat areas
-    rows: LineNoise | None = None
-    columns: LineNoise | None = None
-    remarks: tuple[str, ...] = ()  # what to know of the figures
-
-
 def noise_of_picture(
     *,
     picture: Matrix,
     avoid: Mask | None = None,
     offset: float = 0.0,
     check: Callable[[], None] = lambda: None,
-) -> PictureNoise:
+) -> SampleNoise:
     """Measure the noise in the flat parts of a picture.
 
     Parameters
@@ -116,26 +91,28 @@ def noise_of_picture(
     blocks = picture_blocks(picture=picture, good=good, check=check)
     check()
     if avoid is not None and avoid.all():
-        return _nothing("no samples are left to measure", math.nan, None)
+        return no_noise(
+            "no samples are left to measure", mean_level=math.nan, offset_dn=offset, step=None
+        )
     mean = float(picture.mean() if avoid is None else picture[~avoid].mean())
     step = sample_noise.rounding_step(picture=picture)
     check()
+    known: dict[str, Any] = {"mean_level": mean, "offset_dn": offset, "step": step}
     if sample_noise.compressed_in_blocks(picture=picture):
-        return _nothing(_COMPRESSED, mean, step)
+        return no_noise(_COMPRESSED, **known)
     enough = len(blocks.level) >= _LEAST_BLOCKS
     if enough and _still(blocks):
-        return _nothing(_hidden(step), mean, step)
+        return no_noise(_hidden(step), **known)
     flat = None
     if enough:
         hidden = 0.0 if step is None else (_COARSE_STEPS**2 + 1.0 / 12.0) * step**2
         flat = flat_blocks(blocks=blocks, at=mean, least=hidden, low=low, high=high)
     if flat is None or np.count_nonzero(flat.chosen) < _LEAST_BLOCKS:
-        return _nothing(
+        return no_noise(
             f"too few flat blocks of {SIDE} × {SIDE} samples: "
             f"{0 if flat is None else np.count_nonzero(flat.chosen)}; needed: at least "
             f"{_LEAST_BLOCKS} (texture or edges are everywhere)",
-            mean,
-            step,
+            **known,
         )
     return _measured(blocks, flat, mean, step, offset, check)
 
@@ -159,7 +136,7 @@ def _measured(
     step: float | None,
     offset: float,
     check: Callable[[], None],
-) -> PictureNoise:
+) -> SampleNoise:
     level, variance = blocks.level[flat.chosen], flat.variance[flat.chosen]
     rounding = 0.0 if step is None else step**2 / 12.0
     line = flat.line if step is None else flat.line.rounded(level=level, step=step)
@@ -185,7 +162,7 @@ def _measured(
         if at_mean < shown or (not flat.even and np.mean(variance < shown) > _HIDDEN_SHARE):
             refusal = _hidden(step)
     if refusal:
-        return _nothing(refusal, mean, step)
+        return no_noise(refusal, mean_level=mean, offset_dn=offset, step=step)
     remarks = []
     if flat.even:
         figures = sample_noise.gain_and_read_noise(
@@ -211,8 +188,9 @@ def _measured(
                 f"whole {name} differ by {part.sigma:.3g}, more than the noise of one sample; "
                 "the differences may be a pattern in the scene"
             )
-    return PictureNoise(
+    return SampleNoise(
         mean_level=mean,
+        offset_dn=offset,
         step=step,
         sigma=sigma,
         sigma_error=error / (2.0 * sigma),
@@ -263,10 +241,6 @@ def _refusal(blocks: PictureBlocks, flat: FlatBlocks) -> str:
     return ""
 
 
-def _nothing(reason: str, mean: float, step: float | None) -> PictureNoise:
-    return PictureNoise(mean_level=mean, step=step, **sample_noise.withheld(reason))
-
-
 # What whole rows, or columns, of a picture have of their own.
 
 _LEAST_IN_ROW = 4  # flat blocks, for a median of a row of blocks
@@ -313,8 +287,7 @@ def line_noise(
         return None
     own, error = _common_variance(square, chance)
     # A wave down of offsets σ is SIDE · σ² in an orthonormal transform of SIDE equal columns.
-    variance, error = own / SIDE, error / SIDE
-    return LineNoise(math.sqrt(max(variance, 0.0)), variance, error)
+    return LineNoise(own / SIDE, error / SIDE)
 
 
 def _common_variance(square: Vector, chance: Vector) -> tuple[float, float]:
@@ -347,13 +320,7 @@ _MOVED = 0.3  # of the blocks with more, beyond which the scene moves
 _MOVES = 6.0  # deviations of what differs from the first frame, beyond which something moves
 _TRIM_ROUNDS = 10
 _MOST_GROUPS = 16  # of levels
-
-
-@dataclass(frozen=True, kw_only=True)
-class FramesNoise(sample_noise.SampleNoise):
-    """What changes from frame to frame, without what whole rows, columns and frames share."""
-
-    components: MeasuredNoise  # the seven of 3-D noise; the fixed ones hold the scene
+_TEMPORAL = "the noise figures contain temporal noise only, no fixed-pattern noise"
 
 
 class SceneFrames:
@@ -393,8 +360,12 @@ class SceneFrames:
         self._still_squares += away
         self._frames += 1
 
-    def measured(self, *, offset: float = 0.0) -> FramesNoise:
-        """The noise of the frames so far, two or more; `offset` is the level without light."""
+    def measured(self, *, offset: float = 0.0) -> tuple[SampleNoise, MeasuredNoise]:
+        """The noise of the frames so far, two or more; `offset` is the level without light.
+
+        First what changes from frame to frame, without what whole rows, columns and frames share;
+        then the seven components of 3-D noise, of which the fixed ones hold the scene.
+        """
         components = self._cube.measured()
         n = self._frames
         assert self._first is not None
@@ -404,30 +375,28 @@ class SceneFrames:
         variance = _with_means(variance, variance * share)
         low, high = sample_noise.clipped_ends(picture=self._first)
         step = sample_noise.rounding_step(picture=self._first)
-        level, power = _blocks(self._first), _blocks(variance)
+        level, power = (block_means(of, SIDE).ravel() for of in (self._first, variance))
         freedom = (n - 1) * SIDE * SIDE
         rounding = 0.0 if step is None else step**2 / 12.0
         line, chosen, reason = _settled(level, power, freedom, low, high)
-        mean = components.mean
+        known: dict[str, Any] = {"mean_level": components.mean, "offset_dn": offset, "step": step}
         if float(np.median(power)) <= rounding + (_COARSE_STEPS * (step or 0.0)) ** 2:
             reason = "rounding hides the noise" if step else "the frames have no temporal noise"
         if line is None or reason:
-            return FramesNoise(
-                mean_level=mean, step=step, components=components, **sample_noise.withheld(reason)
-            )
-        at_mean, error = line.bounded(offset).at(mean)
+            return no_noise(reason, **known), components
+        at_mean, error = line.bounded(offset).at(components.mean)
         level, power = level[chosen], power[chosen]
-        return FramesNoise(
-            mean_level=mean,
-            step=step,
+        noise = SampleNoise(
             sigma=math.sqrt(at_mean),
             sigma_error=error / (2.0 * math.sqrt(at_mean)),
             levels=sample_noise.level_variances(level=level, variance=power),
-            components=components,
+            remarks=(_TEMPORAL,),
+            **known,
             **sample_noise.gain_and_read_noise(
                 line=line, level=level, rounding=rounding, offset=offset
             ),
         )
+        return noise, components
 
 
 def _still_samples(away: Matrix) -> NDArray[np.bool_]:
@@ -464,13 +433,6 @@ def _with_means(variance: Matrix, averaged: Matrix) -> Matrix:
         - whole.mean(axis=0, keepdims=True) / rows
         - whole.mean() / (rows * columns)
     )
-
-
-def _blocks(samples: Matrix) -> Vector:
-    """Means of blocks of 8 × 8 samples, all of them in one row."""
-    rows, columns = (size // SIDE for size in samples.shape)
-    whole = samples[: rows * SIDE, : columns * SIDE]
-    return np.asarray(whole.reshape(rows, SIDE, columns, SIDE).mean(axis=(1, 3)).ravel())
 
 
 def _settled(

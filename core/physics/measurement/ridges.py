@@ -6,7 +6,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from core.arrays import Index, Vector
+from core.arrays import Index, Vector, block_means
 from core.records import dataclass, fields
 
 _SECTOR_DEG = 40.0
@@ -215,8 +215,7 @@ def rough_noise(*, picture: Picture, missing: float = 0.0) -> float:
         second = part[:, :-2] - 2.0 * part[:, 1:-1] + part[:, 2:]
         wide = np.zeros(part.shape)
         wide[1:-1, 1:-1] = np.abs(second[:-2] - 2.0 * second[1:-1] + second[2:])
-        shape = (part.shape[0] // _BLOCK, _BLOCK, columns // _BLOCK, _BLOCK)
-        blocks.append(wide.reshape(shape).mean(axis=(1, 3)).ravel())
+        blocks.append(block_means(wide, _BLOCK).ravel())
     scale = (_BLOCK / (_BLOCK - 1)) * math.sqrt(math.pi / 2.0) / 6.0
     return float(np.quantile(np.concatenate(blocks), missing + (1.0 - missing) * _QUIET)) * scale
 

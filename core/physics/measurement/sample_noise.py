@@ -149,11 +149,37 @@ class LevelVariance:
     samples: int  # in flat areas of that level
 
 
+@dataclass(frozen=True)
+class LineNoise:
+    """What whole rows, or columns, have of their own."""
+
+    # unbiased square of the offsets' standard deviation, which may come out below zero, and the
+    # standard error
+    variance: float
+    variance_error: float
+
+    @property
+    def sigma(self) -> float:
+        """Standard deviation of the offsets; 0 where none shows."""
+        return math.sqrt(max(self.variance, 0.0))
+
+    @property
+    def significant(self) -> bool:
+        """Whether it stands out by three standard errors."""
+        return self.variance > 3.0 * self.variance_error
+
+    @property
+    def shown(self) -> float:
+        """Standard deviation where it stands out, else 0."""
+        return self.sigma if self.significant else 0.0
+
+
 @dataclass(frozen=True, kw_only=True)
 class SampleNoise:
     """Noise of a sample; None, with a reason, of what is not shown."""
 
-    mean_level: float
+    mean_level: float  # of the pictures, which `sigma` is for
+    offset_dn: float  # the level without light, which the read noise is for
     step: float | None  # of the converter; None where the samples show none
     # standard deviation at the mean level, rounding included, and its standard error
     sigma: float | None = None
@@ -168,11 +194,35 @@ class SampleNoise:
     read_noise_error: float | None = None
     read_noise_reason: str = ""
     levels: tuple[LevelVariance, ...] = ()  # variance over the level, from dark to bright
+    # offsets of rows, and of columns, that hold across the picture; None with too few flat areas
+    rows: LineNoise | None = None
+    columns: LineNoise | None = None
+    remarks: tuple[str, ...] = ()  # what to know of the figures
+
+    @property
+    def row_sigma(self) -> float | None:
+        """Standard deviation of whole rows; 0 where none stands out."""
+        return None if self.rows is None else self.rows.shown
+
+    @property
+    def column_sigma(self) -> float | None:
+        """The same of whole columns."""
+        return None if self.columns is None else self.columns.shown
+
+    @property
+    def reason(self) -> str:
+        """Why gain and read noise are missing; empty where they are not."""
+        no_gain = self.gain_reason if self.gain_e_per_dn is None else ""
+        no_read = self.read_noise_reason if self.read_noise_dn is None else ""
+        if no_gain and no_gain == no_read:
+            return f"no gain and no read noise: {no_gain}"
+        parts = (("no gain", no_gain), ("no read noise", no_read))
+        return "; ".join(f"{what}: {why}" for what, why in parts if why)
 
 
-def withheld(reason: str) -> dict[str, Any]:
-    """The reason, for all figures of a noise."""
-    return dict.fromkeys(("sigma_reason", "gain_reason", "read_noise_reason"), reason)
+def no_noise(reason: str, **known: Any) -> SampleNoise:
+    """A noise of which no figure is shown, for that reason."""
+    return SampleNoise(sigma_reason=reason, gain_reason=reason, read_noise_reason=reason, **known)
 
 
 def gain_and_read_noise(

@@ -25,6 +25,7 @@ from app.measure.measuring import measure_pictures
 from app.measure.picture_measurement import PictureFile, file_of, picture_name
 from camera_scenes import box, turned
 from core.physics.measurement.edge_search import find_edges
+from core.physics.measurement.sample_noise import LineNoise
 from core.records import replace
 from edge_truth import blur_network, gaussian_edge
 from oversampled_camera import Camera, half_plane, take
@@ -298,8 +299,9 @@ def test_every_row_states_the_figure_of_the_measurement(plain):
     assert not any(
         name.startswith("mtf50") for name, *_ in figure_rows(replace(plain, x=None, y=None))
     )
-    many = replace(plain.noise, row_sigma=1.234, column_sigma=0.0, gain_e_per_dn=None,
-                   read_noise_dn=2.0, read_noise_error=0.1, offset_dn=64.0)  # fmt: skip
+    many = replace(plain.noise, rows=LineNoise(1.234**2, 0.1), columns=LineNoise(0.2, 0.1),
+                   gain_e_per_dn=None, read_noise_dn=2.0, read_noise_error=0.1,
+                   offset_dn=64.0)  # fmt: skip
     found = {row[0]: row[1:] for row in figure_rows(replace(plain, noise=many, unit=""))}
     assert found["row_sigma"] == ("1.23", "", "row noise")
     assert found["read_noise"] == ("2.00 ± 0.10", "DN", "noise at the dark level of 64")
@@ -326,7 +328,12 @@ PHOTONS = "to get gain and read noise, give"
         ({}, {"gain_e_per_dn": None}, {}, PHOTONS),
         ({}, {"read_noise_dn": None}, {}, PHOTONS),
         ({}, {"remarks": ("one remark",)}, {}, "one remark"),
-        ({}, {"reason": "no gain: one level"}, {}, "no gain: one level"),
+        (
+            {},
+            {"gain_e_per_dn": None, "gain_reason": "one level"},
+            {},
+            f"no gain: one level\n{PHOTONS}",
+        ),
         ({}, {}, {"x": None, "reason_x": "no edges"}, "no horizontal MTF: no edges"),
         ({}, {}, {"noise": None, "noise_reason": "no flat area"}, "no noise: no flat area"),
         ({}, {}, {"warnings": ("one picture is dark",)}, "warning: one picture is dark"),
@@ -335,7 +342,8 @@ PHOTONS = "to get gain and read noise, give"
 )
 def test_each_remark_has_its_own_reason(plain, of_x, of_noise, of_all, begins):
     usual = {"edges": 3, "scatter": 1.0, "mtf": np.ones(65), "sigma": np.zeros(65)}
-    known = {"gain_e_per_dn": 50.0, "read_noise_dn": 1.0, "remarks": (), "reason": ""}
+    known = {"gain_e_per_dn": 50.0, "read_noise_dn": 1.0, "remarks": (),
+             "gain_reason": "", "read_noise_reason": ""}  # fmt: skip
     two = of_all.get("two", False)
     sound = replace(
         plain,
@@ -346,7 +354,9 @@ def test_each_remark_has_its_own_reason(plain, of_x, of_noise, of_all, begins):
         files=plain.files * (2 if two else 1),
     )
     lines = remarks(replace(sound, **{name: v for name, v in of_all.items() if name != "two"}))
-    assert [line[: len(begins)] for line in lines] == ([begins] if begins else [])
+    wanted = begins.splitlines()
+    assert len(lines) == len(wanted)
+    assert all(map(str.startswith, lines, wanted))
 
 
 def test_reasons_are_counted_without_their_figures_the_most_frequent_first():
