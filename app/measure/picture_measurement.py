@@ -31,7 +31,7 @@ WITH_LOSS = "the file uses lossy compression (fine detail and noise are altered)
 class MeasuredEdge:
     picture: int  # its number among those measured, from 0
     found: found_edge.FoundEdge  # where it is, and what of the picture belongs to it
-    curve: edge_mtf.EdgeMtf | None  # MTF along the normal; None where it was not measured
+    curve: edge_mtf.MtfCurve | None  # MTF along the normal; None where it was not measured
     why_not: str  # why it is not used; empty where it is
 
     @property
@@ -41,7 +41,7 @@ class MeasuredEdge:
     @property
     def direction(self) -> str:
         """The axis that its normal lies near, ``x`` or ``y``; empty of one between both."""
-        away = abs((self.found.angle_deg + 90.0) % 180.0 - 90.0)
+        away = abs(edge_mtf.off_axis_deg(self.found.angle_deg))
         if away <= edge_mtf.LARGEST_ANGLE_DEG:
             return "x"
         return "y" if away >= 90.0 - edge_mtf.LARGEST_ANGLE_DEG else ""

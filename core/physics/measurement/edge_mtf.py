@@ -33,12 +33,12 @@ _LEAST_SAMPLES = 60
 _SLOPE_WIDTH = 0.03  # cycles per sample about a crossing, over which the MTF's slope is taken
 
 
-@dataclass(frozen=True)
-class EdgeMtf:
-    """MTF measured across an edge."""
+@dataclass(frozen=True, eq=False)
+class MtfCurve:
+    """MTF across one edge, or that of one direction, pooled over edges."""
 
-    edge: FoundEdge
-    frequency: Vector  # cycles per sample along the edge's normal
+    angle_deg: float  # direction from the x axis that the frequencies are along
+    frequency: Vector  # cycles per sample
     # modulus, 1 at zero, and its standard error
     mtf: Vector
     sigma: Vector
@@ -48,6 +48,10 @@ class EdgeMtf:
     # does not in `frequency`
     mtf50: float | None
     mtf50_sigma: float | None
+    edges: int = 1  # how many lie within 30° of the direction
+    # root of the mean square of all edges' departures over their errors, by which `sigma` is
+    # widened; 1 where they agree within these, and for one edge
+    scatter: float = 1.0
 
 
 def measure_edge(
@@ -56,7 +60,7 @@ def measure_edge(
     edge: FoundEdge,
     frequency: Vector,
     check: Callable[[], None] = lambda: None,
-) -> EdgeMtf:
+) -> MtfCurve:
     """Measure the MTF across an edge of any direction.
 
     Parameters
@@ -95,7 +99,8 @@ def measure_edge(
     check()
     transform = line_transform(breaks=fit.breaks, frequency=np.append(0.0, frequency))
     mtf, sigma, shared = _modulus(samples, fit, transform, edge, frequency)
-    return EdgeMtf(edge, frequency, mtf, sigma, shared, *_half(frequency, mtf, sigma))
+    half = _half(frequency, mtf, sigma)
+    return MtfCurve(edge.angle_deg, frequency, mtf, sigma, shared, *half)
 
 
 def _modulus(
@@ -233,30 +238,12 @@ _LAW = 0.15  # of 1 − MTF, by which an edge across the axis may depart from th
 _LEAST_VARIANCE = 1e-12
 
 
-@dataclass(frozen=True, eq=False)
-class MtfCurve:
-    """MTF of one direction, pooled over edges."""
-
-    frequency: Vector  # cycles per sample along the axis
-    # of the edges together, and its standard error, widened by `scatter`
-    mtf: Vector
-    sigma: Vector
-    # frequency at which the MTF falls to one half, and its standard error; None where it does not
-    # within these frequencies
-    mtf50: float | None
-    mtf50_sigma: float | None
-    edges: int  # how many lie within 30° of the axis
-    # root of the mean square of all edges' departures over their errors; 1 where they agree within
-    # these, and for one edge
-    scatter: float
-
-
-def pooled_mtf(*, edges: Sequence[EdgeMtf], axis: Axis) -> MtfCurve | None:
+def pooled_mtf(*, edges: Sequence[MtfCurve], axis: Axis) -> MtfCurve | None:
     """Pool the MTFs of a picture's edges to that along an axis; None if no edge lies near it.
 
     Parameters
     ----------
-    edges : sequence of EdgeMtf
+    edges : sequence of MtfCurve
         Measured edges of any direction, all at the same frequencies.
     axis : {'x', 'y'}
         Across the picture, or down it; the normal of at least one edge must lie within 30° of it.
@@ -273,7 +260,7 @@ def pooled_mtf(*, edges: Sequence[EdgeMtf], axis: Axis) -> MtfCurve | None:
     Meta-analysis in clinical trials, 1986); A and B take fewer degrees of freedom than two from the
     edges, as far as they are assumed.
     """
-    angles = np.array([_off_axis(edge, axis) for edge in edges])
+    angles = np.array([math.radians(off_axis_deg(edge.angle_deg, axis)) for edge in edges])
     near = np.abs(angles) <= math.radians(LARGEST_ANGLE_DEG)
     if not near.any():
         return None
@@ -298,7 +285,10 @@ def pooled_mtf(*, edges: Sequence[EdgeMtf], axis: Axis) -> MtfCurve | None:
     share = np.sum(shared / (own + common), axis=0) / np.sum(1.0 / (own + common), axis=0)
     frequency, sigma = edges[0].frequency, np.sqrt(variance + share**2)
     half = _half(frequency, value, sigma)
-    return MtfCurve(frequency, value, sigma, *half, int(near.sum()), max(1.0, scatter))
+    angle = 0.0 if axis == "x" else 90.0
+    return MtfCurve(
+        angle, frequency, value, sigma, share, *half, int(near.sum()), max(1.0, scatter)
+    )
 
 
 def _mean(values: Matrix, variance: Matrix) -> Vector:
@@ -306,9 +296,10 @@ def _mean(values: Matrix, variance: Matrix) -> Vector:
     return np.asarray(np.sum(weight * values, axis=0) / np.sum(weight, axis=0), np.float64)
 
 
-def _off_axis(edge: EdgeMtf, axis: Axis) -> float:
-    angle = edge.edge.angle_deg - (0.0 if axis == "x" else 90.0)
-    return math.radians((angle + 90.0) % 180.0 - 90.0)
+def off_axis_deg(angle_deg: float, axis: Axis = "x") -> float:
+    """Angle between a line and an axis, from −90 to 90."""
+    angle = angle_deg - (0.0 if axis == "x" else 90.0)
+    return (angle + 90.0) % 180.0 - 90.0
 
 
 def _fitted(

@@ -113,7 +113,7 @@ def find_edges(
     if any(edge.used for edge in found):
         reason = found_edge.why_no_picture(picture=picture, interpolated_too=interpolated_too)
     if reason:
-        found = [replace(edge, used=False, why_not=reason) if edge.used else edge for edge in found]
+        found = [replace(edge, why_not=edge.why_not or reason) for edge in found]
     found.sort(key=lambda edge: (not edge.used, -edge.length * edge.contrast))
     return tuple(found)
 
@@ -126,7 +126,7 @@ def _examined(
     extremes: tuple[float, float],
     clear: Matrix | None,
 ) -> found_edge.FoundEdge:
-    """A piece as an edge, used or not."""
+    """A piece as an edge, perhaps with the reason why it is not used."""
     rough = _rough(piece, noise)
     least = rough.contrast
     if _BLURRED * least < _least_contrast(piece.length) * noise:
@@ -154,7 +154,6 @@ def _rough(piece: ridges.Piece, noise: float) -> found_edge.FoundEdge:
         low=0.0,
         high=piece.strength * ridges.SMOOTHING * math.sqrt(2.0 * math.pi),
         noise_sigma=noise,
-        used=False,
         bend=piece.bend,
     )
 
@@ -228,7 +227,7 @@ def _settled(
                 "blur is mostly lost"
             )
     reason = reason or _misshapen(edge, fit)
-    return replace(edge, used=not reason, why_not=reason)
+    return replace(edge, why_not=reason)
 
 
 def _misshapen(edge: found_edge.FoundEdge, fit: SpreadFit) -> str:
@@ -506,7 +505,6 @@ def _judged(
         if edge.softness > times * sharpest:
             return replace(
                 edge,
-                used=False,
                 why_not=f"soft in the scene: the edge spread is {edge.softness:.2g} samples, "
                 f"compared with {sharpest:.2g} for sharper edges",
             )

@@ -26,12 +26,16 @@ class FoundEdge:
     low: float
     high: float
     noise_sigma: float  # of a sample on the flat sides, mean square of both
-    used: bool  # whether its MTF can be measured
-    why_not: str = ""  # why not
+    why_not: str = ""  # why its MTF cannot be measured; empty where it can
     bend: float = 0.0  # samples, to the brighter side, of both ends off the line through the middle
     # standard deviation of the Gaussian with the line spread's height, samples, the height taken
     # after a blur of one sample; 0 where it was not measured
     softness: float = 0.0
+
+    @property
+    def used(self) -> bool:
+        """Whether its MTF can be measured."""
+        return not self.why_not
 
     @property
     def contrast(self) -> float:
@@ -198,7 +202,7 @@ def without_those_at(
                     f"clipped: {percent(shares[place])} of the edge's samples are at {limit:.6g}, "
                     f"the limit of the picture's values, at which {many} other edges are clipped"
                 )
-                made[place] = replace(made[place], used=False, why_not=reason)
+                made[place] = replace(made[place], why_not=reason)
     return made
 
 

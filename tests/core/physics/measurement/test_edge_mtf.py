@@ -7,7 +7,7 @@ import pytest
 from scipy.ndimage import gaussian_filter1d
 
 from core.errors import DataError
-from core.physics.measurement.edge_mtf import EdgeMtf, measure_edge, pooled_mtf
+from core.physics.measurement.edge_mtf import MtfCurve, measure_edge, pooled_mtf
 from core.physics.measurement.edge_search import find_edges
 from core.physics.measurement.found_edge import FoundEdge
 from edge_pictures import edge_mtf, edge_picture
@@ -48,7 +48,7 @@ def measured(camera, angle_deg, *, noise=0.5, length=50.0, reach=10.0, seed=0):
     """An edge from 50 to 90, its end 0.1 samples off and its middle 0.3."""
     picture = edge_frame(camera, angle_deg, 50.0, 90.0, noise, seed)
     turned = angle_deg + math.degrees(0.2 / length)
-    edge = FoundEdge(39.5, 39.5, turned, length, reach, 50.0, 90.0, noise, True)
+    edge = FoundEdge(39.5, 39.5, turned, length, reach, 50.0, 90.0, noise)
     return measure_edge(picture=picture, edge=edge, frequency=FREQUENCY)
 
 
@@ -61,7 +61,7 @@ def test_errors_cover_the_truth():
         angle = rng.uniform(-180.0, 180.0)
         settings = {"noise": 40.0 / 10 ** rng.uniform(1.0, 2.5), "length": rng.uniform(20.0, 55.0)}
         one = measured(camera, angle, reach=rng.uniform(5.0, 16.0), seed=seed, **settings)
-        truth = true_mtf(FREQUENCY, camera, one.edge.angle_deg)
+        truth = true_mtf(FREQUENCY, camera, one.angle_deg)
         pulls.append((one.mtf - truth)[1:] / one.sigma[1:])
     pulls = np.array(pulls)
     assert np.mean(np.abs(pulls) < 3.0) >= 0.99
@@ -71,7 +71,7 @@ def test_errors_cover_the_truth():
 
 def test_noise_that_hangs_together_along_the_edge_is_in_the_error():
     """Smoothed over 3 samples along the edge, 2 % of the step: the spread of 30 measurements."""
-    edge = FoundEdge(39.5, 39.5, 8.0, 50.0, 10.0, 50.0, 90.0, 0.8, True)
+    edge = FoundEdge(39.5, 39.5, 8.0, 50.0, 10.0, 50.0, 90.0, 0.8)
     clean = edge_frame((1.0, 0.4), 8.0, 50.0, 90.0, 0.0, 0)
     found = []
     for seed in range(30):
@@ -96,7 +96,7 @@ def test_the_error_of_mtf50_of_noisy_edges():
         camera, angle = (rng.uniform(0.7, 2.0), rng.uniform(0.0, 0.6)), rng.uniform(3.0, 12.0)
         clean, truth = edge_frame(camera, angle, 50.0, 90.0, 0.0, 0), true_half(camera, angle)
         for length in rng.uniform(30.0, 60.0, 6):
-            edge = FoundEdge(39.8, 39.5, angle, length, 16.0, 50.0, 90.0, 2.0, True)
+            edge = FoundEdge(39.8, 39.5, angle, length, 16.0, 50.0, 90.0, 2.0)
             picture = clean + rng.normal(0.0, 2.0, clean.shape)
             one = measure_edge(picture=picture, edge=edge, frequency=frequency)
             pulls.append((one.mtf50 - truth) / one.mtf50_sigma)
@@ -113,7 +113,7 @@ def textured(seed, angle_deg, camera=(1.2, 0.5)):
     field *= 3.0 / field.std()
     share = (edge_frame(camera, angle_deg, 0.0, 1.0, 0.0, 0)).clip(0.0, 1.0)
     picture = 50.0 + 40.0 * share + field * (1.0 - share) + rng.normal(0.0, 0.2, field.shape)
-    edge = FoundEdge(39.5, 39.5, angle_deg, 24.0, 10.0, 50.0, 90.0, 0.9, True)
+    edge = FoundEdge(39.5, 39.5, angle_deg, 24.0, 10.0, 50.0, 90.0, 0.9)
     return measure_edge(picture=picture, edge=edge, frequency=FREQUENCY)
 
 
@@ -133,7 +133,7 @@ def test_rows_that_never_differ():
     ):
         measure_edge(
             picture=edge_frame((1.0, 0.4), 0.0, 50.0, 90.0, 0.1, 1),
-            edge=FoundEdge(39.8, 39.5, 0.0, 40.0, 10.0, 50.0, 90.0, 0.1, True),
+            edge=FoundEdge(39.8, 39.5, 0.0, 40.0, 10.0, 50.0, 90.0, 0.1),
             frequency=FREQUENCY,
         )
 
@@ -154,9 +154,8 @@ def test_without_noise_found_anywhere(angle):
 
 
 def pretended(angle, mtf, sigma):
-    edge = FoundEdge(0.0, 0.0, angle, 40.0, 10.0, 0.0, 1.0, 0.01, True)
     errors = np.full(len(FREQUENCY), sigma)
-    return EdgeMtf(edge, FREQUENCY, mtf, errors, np.zeros(len(FREQUENCY)), None, None)
+    return MtfCurve(angle, FREQUENCY, mtf, errors, np.zeros(len(FREQUENCY)), None, None)
 
 
 def test_pool_of_edges_that_agree_and_that_do_not():
@@ -205,7 +204,7 @@ def test_tails_of_neighbours_are_in_the_error():
     signs = (-1.0) ** np.arange(-4, 5)
     bars = np.tensordot(signs, np.stack(frames[1:]), 1)[40:120, 40:120]
     bars = bars + np.random.default_rng(0).normal(0.0, 0.1, bars.shape)
-    edge = FoundEdge(39.8, 39.5, 7.0, 50.0, 5.0, 0.0, 40.0, 0.1, True)
+    edge = FoundEdge(39.8, 39.5, 7.0, 50.0, 5.0, 0.0, 40.0, 0.1)
     one = measure_edge(picture=bars, edge=edge, frequency=FREQUENCY)
     off = one.mtf - true_mtf(FREQUENCY, camera, 7.0)
     assert np.all(np.abs(off[1:]) < 3.0 * one.sigma[1:])

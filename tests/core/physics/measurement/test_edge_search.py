@@ -59,7 +59,7 @@ def test_a_limit_holds_for_others_where_three_of_ten_edges_that_reach_it_show_it
     picture = np.tile(np.repeat([0.0, 255.0], 10), (20, edges))
     clipped = ["clipped: noise"] * 2 + [""] * (edges - 2)
     found = [
-        FoundEdge(20.0 * n + 9.5, 9.5, 0.0, 16.0, 8.0, 0.0, 255.0, 1.0, not why, why)
+        FoundEdge(20.0 * n + 9.5, 9.5, 0.0, 16.0, 8.0, 0.0, 255.0, 1.0, why)
         for n, why in enumerate(clipped)
     ]
     left = without_those_at(edges=found, picture=picture, extremes=(0.0, 255.0))
