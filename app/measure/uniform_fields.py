@@ -62,41 +62,54 @@ _OF_LEVEL = ("frames", "mean_dn", "temporal_dn2", "fixed_dn2", "pixels")
 _LEVEL_HEAD = ("file", "frames", "mean (DN)", "temporal σ² (DN²)", "fixed σ² (DN²)", "")
 
 
-def _transfer_rows(curve: PhotonTransfer) -> list[Row]:
-    ratio = None
-    if curve.full_well_e and curve.read_noise_e:
-        ratio = curve.full_well_e / curve.read_noise_e
-    return [
-        ("gain_e_per_dn", curve.gain_e_per_dn, "e-/DN", "electrons per digital number"),
-        ("gain_error", curve.gain_error, "e-/DN", "standard error of the gain"),
-        ("offset_dn", curve.offset_dn, "DN", "dark level"),
-        ("read_noise_e", curve.read_noise_e, "e-", "temporal noise in the dark, without "
-                                                   "quantization noise"),
-        ("read_noise_error", curve.read_noise_error, "e-", "standard error of the read noise"),
-        ("full_well_e", curve.full_well_e, "e-", "saturation level"),
-        ("brightest_e", curve.brightest_e, "e-", "the brightest level"),
-        ("dynamic_range_dB", _decibels(ratio), "dB", "full well divided by read noise"),
-        ("dsnu_e", curve.dsnu_e, "e-", "fixed-pattern noise in the dark"),
-        ("prnu_percent", curve.prnu_percent, "%", "fixed-pattern noise proportional to the signal"),
-        # Where EMVA 1288 defines a figure otherwise, or has one more.
-        ("system_gain_dn_per_e", curve.system_gain_dn_per_e, "DN/e-", "K of EMVA 1288: 1/gain"),
-        ("saturation_capacity_e", curve.saturation_capacity_e, "e-",
-         "µe.sat of EMVA 1288: level with the largest temporal variance"),
-        ("sensitivity_threshold_e", curve.sensitivity_threshold_e, "e-",
-         "µe.min of EMVA 1288: signal at SNR 1"),
-        ("emva_dynamic_range_dB", _decibels(curve.dynamic_range), "dB", "µe.sat divided by µe.min"),
-        ("snr_max_dB", _decibels(curve.snr_max), "dB", "√µe.sat"),
-        ("dsnu_row_e", curve.dsnu_row_e, "e-", "row component of DSNU"),
-        ("dsnu_column_e", curve.dsnu_column_e, "e-", "column component of DSNU"),
-        ("dsnu_pixel_e", curve.dsnu_pixel_e, "e-", "pixel component of DSNU"),
-        ("prnu_row_percent", curve.prnu_row_percent, "%", "row component of PRNU"),
-        ("prnu_column_percent", curve.prnu_column_percent, "%", "column component of PRNU"),
-        ("prnu_pixel_percent", curve.prnu_pixel_percent, "%", "pixel component of PRNU"),
-    ]  # fmt: skip
+_TRANSFER = (
+    ("gain_e_per_dn", "e-/DN", "electrons per digital number"),
+    ("gain_error", "e-/DN", "standard error of the gain"),
+    ("offset_dn", "DN", "dark level"),
+    ("read_noise_e", "e-", "temporal noise in the dark, without quantization noise"),
+    ("read_noise_error", "e-", "standard error of the read noise"),
+    ("full_well_e", "e-", "saturation level"),
+    ("brightest_e", "e-", "the brightest level"),
+    ("dynamic_range_dB", "dB", "full well divided by read noise"),
+    ("dsnu_e", "e-", "fixed-pattern noise in the dark"),
+    ("prnu_percent", "%", "fixed-pattern noise proportional to the signal"),
+    # Where EMVA 1288 defines a figure otherwise, or has one more.
+    ("system_gain_dn_per_e", "DN/e-", "K of EMVA 1288: 1/gain"),
+    (
+        "saturation_capacity_e",
+        "e-",
+        "µe.sat of EMVA 1288: level with the largest temporal variance",
+    ),
+    ("sensitivity_threshold_e", "e-", "µe.min of EMVA 1288: signal at SNR 1"),
+    ("emva_dynamic_range_dB", "dB", "µe.sat divided by µe.min"),
+    ("snr_max_dB", "dB", "√µe.sat"),
+    ("dsnu_row_e", "e-", "row component of DSNU"),
+    ("dsnu_column_e", "e-", "column component of DSNU"),
+    ("dsnu_pixel_e", "e-", "pixel component of DSNU"),
+    ("prnu_row_percent", "%", "row component of PRNU"),
+    ("prnu_column_percent", "%", "column component of PRNU"),
+    ("prnu_pixel_percent", "%", "pixel component of PRNU"),
+)
+
+
+def _rows(figures: Sequence[tuple[str, str, str]], **values: Any) -> list[Row]:
+    return [(name, values[name], unit, meaning) for name, unit, meaning in figures]
 
 
 def _decibels(ratio: float | None) -> float | None:
     return 20.0 * math.log10(ratio) if ratio else None
+
+
+def _structured(path: Path, field: FlatField, what: str) -> list[str]:
+    """The warning of a field whose pixels differ by its structure, and `what` that touches."""
+    share = field.structure_share
+    if share <= _MOSTLY:
+        return []
+    return [
+        f"warning: {path.name}: {100.0 * share:.0f} % of the variance between pixels comes from "
+        f"structure wider than 8 pixels, as in {what} include this structure. Give frames of a "
+        "uniform field"
+    ]
 
 
 def _transfer_remarks(curve: PhotonTransfer, dark: Path | None) -> list[str]:
@@ -145,7 +158,13 @@ def measured_transfer(
 def _of_transfer(
     files: Sequence[Path], fields: Sequence[FlatField], dark: Path | None, curve: PhotonTransfer
 ) -> UniformFields:
-    figures, remarks = _transfer_rows(curve), _transfer_remarks(curve, dark)
+    well = curve.full_well_e / curve.read_noise_e if curve.full_well_e and curve.read_noise_e else 0
+    decibels = {
+        "dynamic_range_dB": _decibels(well),
+        "emva_dynamic_range_dB": _decibels(curve.dynamic_range),
+        "snr_max_dB": _decibels(curve.snr_max),
+    }
+    figures, remarks = _rows(_TRANSFER, **vars(curve), **decibels), _transfer_remarks(curve, dark)
     levels: list[tuple[str, ...]] = [_LEVEL_HEAD]
     facts, table = [], list[Row]()
     states = zip(files, fields, curve.used, curve.saturated, strict=True)
@@ -159,13 +178,8 @@ def _of_transfer(
         table.append((f"{path.name}: mean_dn", field.mean_dn, "DN", "mean of this level"))
         meaning = "temporal variance of this level"
         table.append((f"{path.name}: temporal_dn2", field.temporal_dn2, "DN²", meaning))
-        # Of saturated ones it says nothing.
-        if field.structure_share > _MOSTLY and not saturated:
-            remarks.append(
-                f"warning: {path.name}: {100.0 * field.structure_share:.0f} % of the variance "
-                "between pixels comes from structure wider than 8 pixels, as in a scene or uneven "
-                "light. PRNU and DSNU include this structure. Give frames of a uniform field"
-            )
+        if not saturated:  # of these it says nothing
+            remarks += _structured(path, field, "a scene or uneven light. PRNU and DSNU")
     content = {
         "format": "imagechain-photon-transfer",
         "version": 1,
@@ -205,17 +219,21 @@ def measured_netd(
 def _of_netd(
     files: Sequence[tuple[Path, thermal.ThermalField]], response: thermal.ThermalResponse, unit: str
 ) -> UniformFields:
-    figures, table = _netd_rows(response, unit), list[Row]()
+    of_middle = [(name, of.format(unit=unit), meaning) for name, of, meaning in _NETD]
+    figures, table = _rows(of_middle, **vars(response.middle)), list[Row]()
+    if response.wavelength_um is not None:
+        figures += _rows(_WAVELENGTH, **vars(response))
     levels: list[tuple[str, ...]] = [_NETD_HEAD]
     facts = []
     for (path, field), at in zip(files, response.levels, strict=True):
-        own, flat = _level_figures(at), field.field
+        own, flat = values_of(at, *(name for name, _, _ in _NETD)), field.field
+        own |= {f"sigma_{name}_K": value for name, value in at.components_K.items()}
         parts = [at.components_K[name] for name in COMPONENTS if name != "tvh"]
         levels.append(
             (
                 path.name, f"{at.temperature_K:.2f}", str(field.noise.frames),
                 number_text(float(f"{flat.mean_dn:.6g}")),
-                number_text(float(f"{at.sitf_per_K:.5g}")), _millikelvin(at.netd_K),
+                number_text(float(f"{at.sitf:.5g}")), _millikelvin(at.netd_K),
                 # An unbiased estimate of next to nothing comes out below zero half the time.
                 *(_millikelvin(max(part, 0.0)) for part in parts),
             )
@@ -295,29 +313,18 @@ def _refuse_useless(file: FrameFile, good: NDArray[np.float64], field: FlatField
             )
 
 
-def _netd_rows(response: thermal.ThermalResponse, unit: str) -> list[Row]:
-    middle = response.middle
-    wavelength, error = response.wavelength_um, response.wavelength_error
-    effective: list[Row] = []
-    if wavelength is not None and error is not None:
-        effective = [
-            ("wavelength_um", wavelength, "µm",
-             "effective wavelength, from fitting Planck's law to the means"),
-            ("wavelength_error_um", error, "µm", "standard error of the wavelength"),
-        ]  # fmt: skip
-    return [
-        ("temperature_K", middle.temperature_K, "K",
-         "middle of the temperature range, at which SiTF and NETD apply"),
-        ("sitf", middle.sitf_per_K, f"{unit}/K", "change of the mean signal with temperature"),
-        ("sitf_error", middle.sitf_error, f"{unit}/K",
-         "standard error of SiTF, if the temperatures are exact"),
-        ("netd_K", middle.netd_K, "K",
-         "σ_tvh (noise random in time, row and column) divided by SiTF"),
-        ("netd_error_K", middle.netd_error, "K", "standard error of NETD"),
-        ("temporal_K", middle.temporal_K, "K",
-         "all temporal noise, divided by SiTF"),
-        *effective,
-    ]  # fmt: skip
+_NETD = (
+    ("temperature_K", "K", "middle of the temperature range, at which SiTF and NETD apply"),
+    ("sitf", "{unit}/K", "change of the mean signal with temperature"),
+    ("sitf_error", "{unit}/K", "standard error of SiTF, if the temperatures are exact"),
+    ("netd_K", "K", "σ_tvh (noise random in time, row and column) divided by SiTF"),
+    ("netd_error_K", "K", "standard error of NETD"),
+    ("temporal_K", "K", "all temporal noise, divided by SiTF"),
+)
+_WAVELENGTH = (
+    ("wavelength_um", "µm", "effective wavelength, from fitting Planck's law to the means"),
+    ("wavelength_error_um", "µm", "standard error of the wavelength"),
+)
 
 
 _NETD_HEAD = (
@@ -367,23 +374,6 @@ def _netd_remarks(
                 "times the converter's step. Rounding adds to the noise or hides it, so NETD is "
                 "wrong. Raise the gain before the converter"
             )
-        if field.field.structure_share > _MOSTLY:
-            lines.append(
-                f"warning: {path.name}: {100.0 * field.field.structure_share:.0f} % of the "
-                "variance between pixels comes from structure wider than 8 pixels, as in a "
-                "non-uniform field. The fixed components vh, v and h include this structure. Give "
-                "frames of a uniform field"
-            )
+        fixed = "a non-uniform field. The fixed components vh, v and h"
+        lines += _structured(path, field.field, fixed)
     return lines
-
-
-def _level_figures(at: thermal.NoiseTemperature) -> dict[str, float]:
-    return {
-        "temperature_K": at.temperature_K,
-        "sitf": at.sitf_per_K,
-        "sitf_error": at.sitf_error,
-        "netd_K": at.netd_K,
-        "netd_error_K": at.netd_error,
-        "temporal_K": at.temporal_K,
-        **{f"sigma_{name}_K": value for name, value in at.components_K.items()},
-    }

@@ -232,22 +232,6 @@ _PATTERNS = tuple(
 _LEAST_DARK = 0.24  # steps², below which rounding hides the dark noise (the standard)
 
 
-def _emva_figures(
-    levels: Sequence[FlatField], dark: FlatField | None, gain: float, zero: float | None
-) -> tuple[float | None, ...]:
-    """The standard's figures; without a `zero` where no level is saturated."""
-    capacity = threshold = most = ratio = None
-    if zero is not None:
-        noisiest = max(levels, key=lambda level: level.temporal_dn2)
-        capacity = gain * (noisiest.mean_dn - zero)
-        most = math.sqrt(capacity) if capacity > 0.0 else None
-    if dark is not None:
-        least = _LEAST_DARK * dark.step_dn**2
-        threshold = gain * math.sqrt(max(dark.temporal_dn2, least)) + 0.5
-        ratio = capacity / threshold if capacity is not None and capacity > 0.0 else None
-    return capacity, threshold, most, ratio
-
-
 def _prnu_percent(
     lit: Sequence[FlatField], dark: FlatField, part: Callable[[FlatField], float]
 ) -> float:
@@ -300,8 +284,6 @@ class PhotonTransfer:
     saturation_capacity_e: float | None
     # electrons of light at which SNR is 1 (µe.min): the dark noise, rounding included, and ½
     sensitivity_threshold_e: float | None
-    snr_max: float | None  # root of the saturation capacity
-    dynamic_range: float | None  # saturation capacity over sensitivity threshold
     # parts of DSNU that differ by row, by column, and by neither
     dsnu_row_e: float | None
     dsnu_column_e: float | None
@@ -310,6 +292,18 @@ class PhotonTransfer:
     prnu_row_percent: float | None
     prnu_column_percent: float | None
     prnu_pixel_percent: float | None
+
+    @property
+    def snr_max(self) -> float | None:
+        """Root of the saturation capacity."""
+        capacity = self.saturation_capacity_e or 0.0
+        return math.sqrt(capacity) if capacity > 0.0 else None
+
+    @property
+    def dynamic_range(self) -> float | None:
+        """Saturation capacity over sensitivity threshold, as in EMVA 1288."""
+        capacity, threshold = self.saturation_capacity_e or 0.0, self.sensitivity_threshold_e
+        return None if capacity <= 0.0 or threshold is None else capacity / threshold
 
 
 def photon_transfer(
@@ -376,7 +370,13 @@ def photon_transfer(
     if dark is not None:
         dsnu = [gain * math.sqrt(max(part(dark), 0.0)) for part in _PATTERNS]
         prnu = [_prnu_percent(lit, dark, part) for part in _PATTERNS]
-    saturated_zero = zero if saturated.any() else None
+    capacity = threshold = None
+    if zero is not None and saturated.any():
+        noisiest = max(levels, key=lambda level: level.temporal_dn2)
+        capacity = gain * (noisiest.mean_dn - zero)
+    if dark is not None:
+        least = _LEAST_DARK * dark.step_dn**2
+        threshold = gain * math.sqrt(max(dark.temporal_dn2, least)) + 0.5
     return PhotonTransfer(
         gain,
         slope_error / slope**2,
@@ -391,7 +391,8 @@ def photon_transfer(
         tuple(map(bool, saturated)),
         cut_off,
         1.0 / gain,
-        *_emva_figures(levels, dark, gain, saturated_zero),
+        capacity,
+        threshold,
         *dsnu[1:],
         *prnu[1:],
     )

@@ -47,11 +47,11 @@ class NoiseTemperature:
 
     temperature_K: float
     # numbers of a kelvin there, and the standard error
-    sitf_per_K: float
+    sitf: float
     sitf_error: float
     # noise that is random in time, row and column (σ_tvh) over SiTF, and the standard error
     netd_K: float
-    netd_error: float
+    netd_error_K: float
     temporal_K: float  # all that changes from frame to frame, over SiTF
     # each of the seven components over SiTF; below 0 for a variance estimated below 0
     components_K: dict[str, float]
@@ -66,7 +66,7 @@ class ThermalResponse:
     # of Planck's law that the means follow, and the standard error; None of two temperatures, or
     # where the means are on a straight line
     wavelength_um: float | None
-    wavelength_error: float | None
+    wavelength_error_um: float | None
     # largest departure of a mean from that law, of the means' span; None where it goes through all,
     # as through three
     departure_percent: float | None

@@ -65,12 +65,12 @@ def test_the_slope_of_a_band_is_within_its_error(name, kelvin):
     found = thermal_response([quiet(at, 100 + scale * band(at, *limits)) for at in kelvin])
     for level in (*found.levels, found.middle):
         true = scale * slope(level.temperature_K, *limits)
-        assert abs(level.sitf_per_K - true) < level.sitf_error
+        assert abs(level.sitf - true) < level.sitf_error
         assert level.sitf_error > 0
     span = kelvin[-1] - kelvin[0]
     largest = 3e-6 if len(kelvin) > 2 else 3e-5
     middle = found.middle
-    assert middle.sitf_error == pytest.approx(largest * span**2 * middle.sitf_per_K, rel=0.01)
+    assert middle.sitf_error == pytest.approx(largest * span**2 * middle.sitf, rel=0.01)
 
 
 def test_planck_at_one_wavelength_is_found_again():
@@ -81,7 +81,7 @@ def test_planck_at_one_wavelength_is_found_again():
     assert found.wavelength_um == pytest.approx(14387.768775 / 3200, rel=1e-5)
     assert found.departure_percent < 1e-4
     true = -4e7 * 3200 / 310**2 * math.exp(3200 / 310) / math.expm1(3200 / 310) ** 2
-    assert found.middle.sitf_per_K == pytest.approx(true, rel=1e-6)
+    assert found.middle.sitf == pytest.approx(true, rel=1e-6)
     assert found.middle.netd_K > 0
 
 
@@ -99,7 +99,7 @@ def test_the_standard_errors_are_the_spread_of_measurements_made_anew(whole):
         for _ in range(120)
     ]
     for value, error, true in (
-        ("sitf_per_K", "sitf_error", 100.0), ("netd_K", "netd_error", 0.08),
+        ("sitf", "sitf_error", 100.0), ("netd_K", "netd_error_K", 0.08),
     ):  # fmt: skip
         values = np.array([getattr(one, value) for one in made])
         stated = np.mean([getattr(one, error) for one in made])
