@@ -57,12 +57,7 @@ class VarianceLine:
         middle = float(weight @ left / weight.sum())
         spread = float(weight @ (away * away))
         slope = float(weight @ (away * left)) / spread if spread > 0.0 else 0.0
-        return replace(
-            self,
-            middle_error=math.hypot(self.middle_error, middle),
-            slope_error=math.hypot(self.slope_error, slope),
-            covariance=self.covariance + middle * slope,
-        )
+        return self._widened(middle, slope, middle * slope)
 
     def rounded(self, *, level: Vector, step: float) -> "VarianceLine":
         """The line, with what rounding adds beyond 1/12 of its step's square.
@@ -78,10 +73,15 @@ class VarianceLine:
         total, spread = 2.0 * float(weight.sum()), float(weight @ (away * away))
         middle = math.sqrt(float(weight @ wave**2) / total)
         slope = middle / math.sqrt(2.0 * spread / total) if spread > 0.0 else 0.0
+        return self._widened(middle, slope, 0.0)
+
+    def _widened(self, middle: float, slope: float, both: float) -> "VarianceLine":
+        """The line, with further errors of its two numbers, and their covariance."""
         return replace(
             self,
             middle_error=math.hypot(self.middle_error, middle),
             slope_error=math.hypot(self.slope_error, slope),
+            covariance=self.covariance + both,
         )
 
     def bounded(self, offset: float) -> "VarianceLine":
@@ -314,9 +314,9 @@ def structure_share(
     excess = float(middle.mean() / fine.mean()) - 1.0
     error = float(np.std(middle - (1.0 + excess) * fine)) / (math.sqrt(many) * level)
     mean, limit = float(coarse.mean()) / level, limit / level
-    seen = _width(mean, limit, _COARSE) - 1.0
-    cut = mean_below(limit=limit, freedom=_COARSE)
-    slope = (_mean_of(1.0 + _STEP, limit, _COARSE) / cut - 1.0) / _STEP
+    seen = _width(mean, limit) - 1.0
+    cut = mean_below(limit)
+    slope = (_mean_of(1.0 + _STEP, limit) / cut - 1.0) / _STEP
     chance = float(coarse.std()) / (math.sqrt(many) * level * cut * slope)
     share = seen**2 / (seen**2 + chance**2) if seen > 0.0 else 0.0
     own = np.diag([2.0 / (many * _MIDDLE), 2.0 / (many * _FINE)])
@@ -326,29 +326,29 @@ def structure_share(
     fall = float(weights @ _FALL)
     doubt = math.hypot(math.sqrt(float(weights @ _FALL_COVARIANCE @ weights)), (1.0 - share) * fall)
     known = max(seen, _STEP)
-    shown = (_mean_of(1.0 + known, limit, _COARSE) / cut - 1.0) / known
+    shown = (_mean_of(1.0 + known, limit) / cut - 1.0) / known
     removal = share * fall / (shown - fall)
     return StructureShare(seen, chance, float(weights[0]), removal, shown, doubt, excess, error)
 
 
-def mean_below(*, limit: float, freedom: int) -> float:
-    """Mean of χ²/freedom where it is below a limit."""
-    half = freedom / 2.0
+def mean_below(limit: float) -> float:
+    """Mean of the coarse waves' χ² over its degrees of freedom where it is below a limit."""
+    half = _COARSE / 2.0
     below = float(special("gammainc")(half, limit * half))
     return float(special("gammainc")(half + 1.0, limit * half)) / below
 
 
-def _mean_of(width: float, limit: float, freedom: int) -> float:
-    """Mean below the limit of a χ²/freedom that is wider by a factor."""
-    return width * mean_below(limit=limit / width, freedom=freedom)
+def _mean_of(width: float, limit: float) -> float:
+    """Mean below the limit where it is wider by a factor."""
+    return width * mean_below(limit / width)
 
 
-def _width(mean: float, limit: float, freedom: int) -> float:
-    """Factor of a χ² that has this mean below the limit."""
+def _width(mean: float, limit: float) -> float:
+    """Factor of one that has this mean below the limit."""
     low, high = _NARROWEST, _WIDEST
     for _ in range(50):
         middle = 0.5 * (low + high)
-        if _mean_of(middle, limit, freedom) < mean:
+        if _mean_of(middle, limit) < mean:
             low = middle
         else:
             high = middle
@@ -500,7 +500,7 @@ def _by_level(waves: _Waves, share: float) -> FlatBlocks | None:
     """Blocks whose coarse power is no more than that of the noise at their level."""
     chosen = _quietest(waves)
     limit = 2.0 * float(special("gammaincinv")(_COARSE / 2.0, share)) / _COARSE
-    cut = mean_below(limit=limit, freedom=_COARSE)
+    cut = mean_below(limit)
     variance = left = waves.fine
     relative = waves.level
     structure = None
