@@ -15,7 +15,13 @@ from app.fit.picture_fit import fit_pictures, opened_pictures
 from app.measure import measuring
 from app.measure.measurement_page import measurement_facts, write_measurement
 from app.measure.measurement_text import figure_rows, refused_lines, remarks
-from app.measure.picture_measurement import NO_DATA, PictureFile, PictureMeasurement, limits_of
+from app.measure.picture_measurement import (
+    NO_DATA,
+    PictureFile,
+    PictureMeasurement,
+    limits_of,
+    same_size,
+)
 from app.run.terminal import columns, jsonable
 from core.atomic import write_text
 from core.errors import DataError, ParameterError, UsageError
@@ -109,11 +115,7 @@ def measure(
     if dark is not None or band is not None:
         raise UsageError("band and dark apply to files only, not to arrays")
     files = of_arrays(pictures)
-    shapes = {(file.rows, file.columns) for file in files}
-    if len(shapes) > 1:
-        raise DataError(
-            f"all pictures must have the same size, but their sizes are {sorted(shapes)}"
-        )
+    same_size(files)
     return MeasuredPictures(measuring.measure_pictures(files, fov_x_deg, offset_dn, pitch_um))
 
 
