@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core import kernels
-from core.arrays import Complex, Index, Matrix, Vector
-from core.physics.measurement.found_edge import FoundEdge, edge_samples
+from core.arrays import Complex, Matrix, Vector
+from core.physics.measurement.found_edge import EdgeSamples, FoundEdge, edge_samples
 from core.records import dataclass, replace
 
 # The samples about one edge, as the fit takes them, and the part of the picture about it.
@@ -49,14 +49,9 @@ _FAINT = 1e-4  # of the contrast: a noise that is less is that of rounding in a 
 
 
 @dataclass(frozen=True)
-class Patch:
+class Patch(EdgeSamples):
     name: str  # for people: where the edge is
     edge: FoundEdge
-    distance: Vector  # of each sample: along the edge's normal, along the edge, its value
-    along: Vector
-    value: Vector
-    column: Index  # where each sample is in its picture
-    row: Index
     window: Matrix  # the picture about the edge, and the row and column of its first sample
     top: int
     left: int
@@ -76,9 +71,8 @@ class Patch:
         if len(self.value) <= most:
             return self
         order = np.argsort(self.distance, kind="stable")
-        taken = order[np.linspace(0, len(order) - 1, most).astype(np.intp)]
-        names = ("distance", "along", "value", "column", "row")
-        return replace(self, **{name: getattr(self, name)[taken] for name in names})
+        some = order[np.linspace(0, len(order) - 1, most).astype(np.intp)]
+        return replace(self, **vars(self.taken(some)))
 
 
 def patch_of(*, picture: Matrix, edge: FoundEdge, name: str) -> Patch | str:
@@ -116,24 +110,16 @@ def patch_of(*, picture: Matrix, edge: FoundEdge, name: str) -> Patch | str:
     near = middle & (np.abs(distance) <= max(_LEAST_REACH, _NARROW + _WIDTHS * width))
     window, top, left = window_about(picture=picture, edge=edge)
     return Patch(
-        name, edge, distance[near], along[near], value[near],
-        *_places(edge, distance[near], along[near]), window, top, left,
-        max(variances[0], least), max(variances[1], least), levels[0], levels[1],
-        shaded and min(variances) > least, least,
+        **vars(samples.taken(near)), name=name, edge=edge, window=window, top=top, left=left,
+        low_variance=max(variances[0], least), high_variance=max(variances[1], least),
+        low=levels[0], high=levels[1], shaded=shaded and min(variances) > least,
+        least_variance=least,
     )  # fmt: skip
 
 
 def curvature(edge: FoundEdge) -> float:
     """Samples by which an edge is off its tangent, over the square of the place along it."""
     return edge.bend / (edge.length / 2.0) ** 2
-
-
-def _places(edge: FoundEdge, distance: Vector, along: Vector) -> tuple[Index, Index]:
-    """Columns and rows of the samples, from where they lie about the edge."""
-    across, down = edge.normal
-    off = distance + curvature(edge) * along**2
-    x, y = edge.x + off * across - along * down, edge.y + off * down + along * across
-    return np.rint(x).astype(np.intp), np.rint(y).astype(np.intp)
 
 
 def _width(distance: Vector, value: Vector, levels: tuple[float, float]) -> float:
@@ -256,6 +242,16 @@ class EdgesAt:
     @property
     def cost(self) -> float:
         return float(np.vdot(self.residual, self.residual))
+
+    def profile(self, row: int, patch: Patch) -> tuple[Vector, Vector, Vector]:
+        """Of an edge's samples: distance, the chain's spread there, and what they are beside it.
+
+        The last two from 0 to 1, as the step.
+        """
+        own = np.s_[row, : len(patch.value)]
+        with np.errstate(all="ignore"):
+            rest = self.residual[own] / self.weight[own] / self.step[row]
+        return self.distance[own], self.spread[own], rest
 
     def without_own(self, change: Matrix) -> Matrix:
         """A change of the weighted samples less what edges' own parameters can undo."""

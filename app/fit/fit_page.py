@@ -189,10 +189,7 @@ def spreads_png(result: FitResult) -> bytes:
     with figure(10.0, 2.1 * len(edges) + 0.6) as (drawn, out):
         axes = drawn.subplots(len(edges), 2, squeeze=False, sharex=True)
         for row, edge in enumerate(edges):
-            patch, at = result.fit.patches[edge], result.fit.edges
-            count = len(patch.value)
-            distance, spread = at.distance[edge, :count], at.spread[edge, :count]
-            rest = at.residual[edge, :count] / at.weight[edge, :count] / at.step[edge]
+            distance, spread, rest = result.fit.edges.profile(edge, result.fit.patches[edge])
             left, right = axes[row]
             left.plot(distance, spread + rest, ".", ms=1.5, color="#9aa5b1", zorder=1)
             order = np.argsort(distance)

@@ -348,12 +348,8 @@ class DrawnEdge(NamedTuple):
 def drawn_edges(patches: tuple[Patch, ...], edges: EdgesAt) -> tuple[DrawnEdge, ...]:
     drawn = []
     for row, patch in enumerate(patches):
-        count = len(patch.value)
-        weight, spread = edges.weight[row, :count], edges.spread[row, :count].copy()
-        with np.errstate(all="ignore"):
-            rest = edges.residual[row, :count] / weight / edges.step[row]
-        distance = edges.distance[row, :count].copy()
-        drawn.append(DrawnEdge(patch.name, distance, spread + rest, spread))
+        distance, spread, rest = edges.profile(row, patch)
+        drawn.append(DrawnEdge(patch.name, distance.copy(), spread + rest, spread.copy()))
     return tuple(drawn)
 
 

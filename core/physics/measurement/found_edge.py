@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from core.arrays import Vector
+from core.arrays import Index, Mask, Vector
 from core.errors import percent
 from core.physics.measurement.sample_noise import compressed_in_blocks
 from core.records import dataclass, replace
@@ -70,6 +70,13 @@ class EdgeSamples:
     distance: Vector
     along: Vector  # place along the edge, 0 at its middle
     value: Vector
+    column: Index  # where each is in the picture
+    row: Index
+
+    def taken(self, which: Mask | Index) -> "EdgeSamples":
+        """Some of them, by a mask or in an order."""
+        distance, along, value = self.distance[which], self.along[which], self.value[which]
+        return EdgeSamples(distance, along, value, self.column[which], self.row[which])
 
 
 def edge_samples(*, picture: NDArray[np.floating], edge: FoundEdge) -> EdgeSamples:
@@ -87,8 +94,9 @@ def edge_samples(*, picture: NDArray[np.floating], edge: FoundEdge) -> EdgeSampl
     along = across_x * y - across_y * x
     distance = across_x * x + across_y * y - edge.bend * (along / half_length) ** 2
     inside = (np.abs(distance) <= edge.reach) & (np.abs(along) <= half_length)
-    value = picture[top:bottom, left:right][inside]
-    return EdgeSamples(distance[inside], along[inside], value.astype(np.float64))
+    value = picture[top:bottom, left:right][inside].astype(np.float64)
+    row, column = np.nonzero(inside)
+    return EdgeSamples(distance[inside], along[inside], value, column + left, row + top)
 
 
 # Signs that samples of an edge were cut off at a limit, where its MTF would be a wrong one.
