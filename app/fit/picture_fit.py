@@ -63,9 +63,11 @@ def _unlike(file: PictureFile, final: Image) -> list[str]:
     return lines
 
 
-def opened_pictures(paths: Sequence[Path], *, band: int | None = None) -> list[PictureFile]:
+def opened_pictures(
+    paths: Sequence[Path], *, band: int | None = None, instead: str = ""
+) -> list[PictureFile]:
     """Files to fit to, whose frames may differ in size; of a file of bands one of them."""
-    opened = [open_picture(path, band=band) for path in paths]
+    opened = [open_picture(path, band=band, instead=instead) for path in paths]
     for file in opened:
         if file.is_lossy:
             raise DataError(

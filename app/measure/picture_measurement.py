@@ -180,21 +180,12 @@ class PictureFile:
         return picture
 
 
-class BandsError(UsageError):
-    """A file with several bands, of which none is named; `what` says so without a remedy."""
-
-    def __init__(self, path: Path, bands: int) -> None:
-        self.what = f"{path} has {bands} bands"
-        super().__init__(
-            f"{self.what}: choose the band to measure, 0 to {bands - 1}", hint="give --band"
-        )
-
-
-def open_picture(path: Path, *, band: int | None = None) -> PictureFile:
+def open_picture(path: Path, *, band: int | None = None, instead: str = "") -> PictureFile:
     """Describe a file to be measured without reading its samples.
 
     `band` counts from 0; without it luminance of colours, and the frames of a file whose bands have
-    no wavelengths.
+    no wavelengths. Of other files with several bands one must be chosen; `instead` says what to do
+    where that cannot be done.
     """
     file = stored_bytes.readable_file(path)
     if format_of(file) is NPY and band is None:
@@ -207,7 +198,7 @@ def open_picture(path: Path, *, band: int | None = None) -> PictureFile:
         )
         if many > 1:  # bands of ENVI, pages of TIFF
             return _of_frames(path, open_frames(file), info)
-    chosen, taken = _chosen(path, info, band)
+    chosen, taken = _chosen(path, info, band, instead)
     x, y = _intervals(info)
     dtype = np.dtype(info.dtype)
     return PictureFile(
@@ -241,7 +232,9 @@ def _of_frames(path: Path, frames: FrameFile, info: picture_info.PictureInfo | N
     )  # fmt: skip
 
 
-def _chosen(path: Path, info: picture_info.PictureInfo, band: int | None) -> tuple[int | None, str]:
+def _chosen(
+    path: Path, info: picture_info.PictureInfo, band: int | None, instead: str
+) -> tuple[int | None, str]:
     """The band that is measured, or None for luminance, and the words for it."""
     if band is not None:
         if not 0 <= band < info.bands:
@@ -258,7 +251,10 @@ def _chosen(path: Path, info: picture_info.PictureInfo, band: int | None) -> tup
         return None, f"luminance, {' + '.join(shares)}"
     if info.bands == _WITH_ALPHA and not info.channels and info.kind not in _STACKS:
         return 0, "grey, without the transparency channel"
-    raise BandsError(path, info.bands)
+    choose = instead or f"choose the band to measure, 0 to {info.bands - 1}"
+    raise UsageError(
+        f"{path} has {info.bands} bands: {choose}", hint="" if instead else "give --band"
+    )
 
 
 def _intervals(info: picture_info.PictureInfo) -> tuple[float | None, float | None]:

@@ -298,16 +298,11 @@ def limited(
 
 def opened(pictures: measure_view.Pictures) -> list[PictureFile]:
     from app.fit.picture_fit import opened_pictures
-    from app.measure.picture_measurement import BandsError
 
     if not isinstance(pictures, tuple):
         return [pictures]
-    try:
-        return opened_pictures(pictures)
-    except BandsError as error:
-        raise UsageError(
-            f"{error.what}: show one band in a viewer and fit to that picture"
-        ) from error
+    show = "show one band in a viewer and fit to that picture"
+    return opened_pictures(pictures, instead=show)
 
 
 def _said(result: FitResult) -> list[tuple[Severity, str]]:
