@@ -35,10 +35,6 @@ _MOST = 500  # points of a batch
 _LOOK_S = 0.1
 
 
-class WorkerEnded(Exception):
-    """Who had a batch ended before it was done."""
-
-
 class _Lanes:
     """A stretch of the points for each worker; who has come to its end takes half of another's.
 
@@ -109,9 +105,8 @@ def dealt_rows(
         # Looked at, not waited for: Dask calls nobody for what is lost with its worker.
         for future in [future for future in out if workers.has_ended(future)]:
             lane, batch = out.pop(future)
-            try:
-                rows = workers.rows(future)
-            except WorkerEnded:
+            rows = workers.rows(future)
+            if rows is None:  # who had the batch ended before it was done
                 ends.update(task[0] for task in batch)
                 if len(batch) == 1 and ends[batch[0][0]] >= workers.most_ends:
                     yield [Row(batch[0][0], (None,) * figures, "", 0.0, workers.why)]
@@ -151,8 +146,8 @@ class _Processes:
         """Lanes that can take one more batch; `busy` has the lane of each that is out."""
         return {*range(self.lanes)} - {*busy}
 
-    def submit(self, lane: int, batch: list[Task]) -> Future[list[Row]]:
-        """A future of the rows of the batch's first points."""
+    def submit(self, lane: int, batch: list[Task]) -> Future[list[Row] | None]:
+        """A future of the rows of the batch's first points; of None if the process ends."""
         return self._threads.submit(self._processes[lane].rows, batch)
 
     def end(self) -> None:
@@ -172,14 +167,14 @@ class _Process:
         self._process: subprocess.Popen[bytes] | None = None
         self._stopped = False
 
-    def rows(self, batch: list[Task]) -> list[Row]:
+    def rows(self, batch: list[Task]) -> list[Row] | None:
         if self._process is None:
             self._begin()
         try:
             rows: list[Row] = self._answer(pickle.dumps(batch))
-        except _ENDED as error:
+        except _ENDED:
             self.drop()
-            raise WorkerEnded from error
+            return None
         return rows
 
     def stop(self) -> None:
@@ -296,13 +291,13 @@ class _Cluster:
         self._check()
         return bool(future.status != "pending")
 
-    def rows(self, future: Any) -> list[Row]:
+    def rows(self, future: Any) -> list[Row] | None:
         from distributed import KilledWorker
 
         try:
             return [Row(*row) for row in future.result(timeout=_GATHER_S)]
-        except KilledWorker as error:
-            raise WorkerEnded from error
+        except KilledWorker:
+            return None
         except ImagechainError:
             raise
         except ImportError as error:
@@ -315,7 +310,7 @@ class _Cluster:
                 what = f"{type(error).__name__}: {error}"
                 raise FileError(f"a worker failed: {what}") from error
             # Made, and lost with the worker before it came here, or the scheduler began anew.
-            raise WorkerEnded from error
+            return None
 
     def _check(self) -> None:
         if self._client.status != "running":
