@@ -114,9 +114,9 @@ def _stage(stage: transfer_chain.StageResponse) -> dict[str, Any]:
         "name": stage.name,
         "title": stage.title,
         "mtf_x": stage.x.mtf,
-        "ptf_x_rad": stage.x.ptf,
+        "ptf_x_rad": stage.x.ptf_rad,
         "mtf_y": stage.y.mtf,
-        "ptf_y_rad": stage.y.ptf,
+        "ptf_y_rad": stage.y.ptf_rad,
     }
 
 

@@ -5,6 +5,7 @@ from collections.abc import Collection, Iterable, Iterator
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from core.arrays import Vector
 from core.chain import back_transformed, step_lineage
@@ -16,7 +17,7 @@ from core.evaluation.work import Work
 from core.modules.declaration import Library, declaration
 from core.network.network import Network, Node, marked_twice, reached
 from core.network.validation import NetworkProblems
-from core.records import dataclass, replace
+from core.records import dataclass, field, replace
 from core.transfer.factors import Factor, Grid, Part
 from nodes.analysis.lineage import HORIZONTAL, VERTICAL, Line, stage_along
 from nodes.analysis.lineage import Stage as LineStage
@@ -395,24 +396,30 @@ _SYSTEM_TITLE = "Total with electronics"
 
 
 @dataclass(frozen=True)
-class Response:
-    """Signed MTF and PTF (radians) along one axis."""
+class StageCurve:
+    """MTF (signed) and PTF (rad) of a stage along one axis; `frequency` in cycles/mrad."""
 
-    mtf: Vector
-    ptf: Vector
+    frequency: Vector = field(repr=False)
+    mtf: Vector = field(repr=False)
+    ptf_rad: Vector = field(repr=False)
+
+    @property
+    def otf(self) -> NDArray[np.complex128]:
+        """MTF and PTF as one complex function."""
+        return np.asarray(self.mtf * np.exp(1j * self.ptf_rad), np.complex128)
 
 
 @dataclass(frozen=True)
 class StageResponse:
     name: str
     title: str
-    x: Response
-    y: Response = Response(np.zeros(0), np.zeros(0))
+    x: StageCurve
+    y: StageCurve = StageCurve(np.zeros(0), np.zeros(0), np.zeros(0))
     is_product: bool = False
 
     @property
     def has_phase(self) -> bool:
-        return bool(self.x.ptf.any() or self.y.ptf.any())
+        return bool(self.x.ptf_rad.any() or self.y.ptf_rad.any())
 
     @property
     def has_blur(self) -> bool:
@@ -470,7 +477,7 @@ def _products(chain: Chain) -> list[Stage]:
 
 def response(
     work: Work, factors: Iterable[Factor], frequency: Vector, line: Axis | Line
-) -> Response:
+) -> StageCurve:
     """Product of the MTFs and sum of the PTFs along an axis, or a line."""
     if not isinstance(line, Line):
         line = HORIZONTAL if line == "x" else VERTICAL
@@ -480,7 +487,7 @@ def response(
         stage = LineStage("", tuple(factor for factor in factors if factor.part == part))
         return stage_along(work, stage, part, line, frequency)
 
-    return Response(along("mtf"), along("ptf"))
+    return StageCurve(frequency, along("mtf"), along("ptf"))
 
 
 def mtf_at(work: Work, factors: Iterable[Factor], frequency: float, axis: Axis) -> float:
@@ -513,8 +520,8 @@ def responses_along(
     def product(name: str, title: str, stages: Iterable[StageResponse]) -> StageResponse:
         mtf, ptf = np.ones(len(frequency)), np.zeros(len(frequency))
         for stage in stages:
-            mtf, ptf = mtf * stage.x.mtf, ptf + stage.x.ptf
-        return StageResponse(name, title, Response(mtf, ptf), is_product=True)
+            mtf, ptf = mtf * stage.x.mtf, ptf + stage.x.ptf_rad
+        return StageResponse(name, title, StageCurve(frequency, mtf, ptf), is_product=True)
 
     before, later = along(chain.stages), along(chain.later)
     products = []
@@ -537,7 +544,7 @@ def at_nyquist(chain: Chain, work: Work) -> dict[str, float]:
         for axis, frequency in places:
             value = response(work, stage.factors, np.array([frequency]), axis)
             figures[f"{stage.node}.mtf_nyquist_{axis}"] = float(value.mtf[0])
-            figures[f"{stage.node}.ptf_nyquist_{axis}"] = float(value.ptf[0])
+            figures[f"{stage.node}.ptf_nyquist_{axis}"] = float(value.ptf_rad[0])
     return figures
 
 
@@ -547,6 +554,6 @@ def mtf_csv(sampled: Responses) -> str:
     for stage in (*sampled.stages, *sampled.beside, *sampled.products):
         for axis, along in (("x", stage.x), ("y", stage.y)):
             columns.append((f"{stage.name}.mtf_{axis}", along.mtf))
-            columns.append((f"{stage.name}.ptf_{axis}_rad", along.ptf))
+            columns.append((f"{stage.name}.ptf_{axis}_rad", along.ptf_rad))
     cells = ([repr(value) for value in column.tolist()] for _, column in columns)
     return csv_lines([[name for name, _ in columns], *itertools.zip_longest(*cells, fillvalue="")])

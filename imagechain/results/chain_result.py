@@ -2,7 +2,7 @@
 
 import os
 import shlex
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property, partial
 from os import PathLike, fspath
 from pathlib import Path
@@ -149,9 +149,9 @@ class Result:
         return tables.Picture(name, samples, image.unit, intervals, image.band_um, bands, *inside)
 
     @property
-    def images(self) -> "Images":
+    def images(self) -> tables.Images:
         """Samples of every picture, by ``NODE.PORT``; each is computed when you access it."""
-        return Images(self)
+        return tables.Images(ports_of_images(self._plan), self.image)
 
     @plain_errors
     def value(self, port: str) -> Any:
@@ -345,30 +345,6 @@ class Result:
             parts.append(table(("warnings",), lines))
         parts.append(self.readouts._repr_html_())
         return block(*parts)
-
-
-class Images(Mapping[str, NDArray[Any]]):
-    """Samples of a result's pictures by port."""
-
-    def __init__(self, result: Result) -> None:
-        self._result = result
-
-    __reduce__ = stays_here
-
-    def __getitem__(self, port: str) -> NDArray[Any]:
-        return self._result.image(port)
-
-    def __iter__(self) -> Iterator[str]:
-        return ports_of_images(self._result._plan)
-
-    def __len__(self) -> int:
-        return sum(1 for _ in self)
-
-    def __repr__(self) -> str:
-        return f"<images: {', '.join(self)}>"
-
-    def _ipython_key_completions_(self) -> list[str]:
-        return list(self)
 
 
 def run_plan(engine: Engine, plan: Plan, options: RunOptions, smaller: Smaller) -> Result:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from copy import copy
 from itertools import islice
 from os import PathLike, fspath
@@ -15,12 +15,11 @@ from numpy.typing import NDArray
 from app.run.evaluation import Evaluation, block_means, each_readout
 from app.run.saving import grey_png, metadata_of, save_array
 from app.run.terminal import columns, jsonable, number_text, warned_points, without_rounding
-from app.run.transfer_chain import Response, responses_along
-from core.arrays import Vector
+from app.run.transfer_chain import StageCurve, responses_along
 from core.chain.wires import Image
 from core.errors import ParameterError, close, several, shown
 from core.evaluation import recipes, work
-from core.records import dataclass, field
+from core.records import dataclass
 from imagechain.parts.plain_errors import block, needed, plain_errors, png, stays_here, table, text
 
 if TYPE_CHECKING:
@@ -67,6 +66,22 @@ class _Named(Mapping[str, Value]):
 
     def _ipython_key_completions_(self) -> list[str]:
         return list(self)
+
+
+class Images(_Named[NDArray[Any]]):
+    """Samples of a result's pictures by port."""
+
+    def __init__(self, ports: Iterable[str], image: Callable[[str], NDArray[Any]]) -> None:
+        super().__init__(dict.fromkeys(ports, np.zeros(0)))
+        self._image = image
+
+    __reduce__ = stays_here
+
+    def __getitem__(self, port: str) -> NDArray[Any]:
+        return self._image(port)
+
+    def __repr__(self) -> str:
+        return f"<images: {', '.join(self)}>"
 
 
 class ReadoutTable(_Named[Mapping[str, Any]]):
@@ -118,20 +133,6 @@ class ReadoutTable(_Named[Mapping[str, Any]]):
 
     def _repr_html_(self) -> str:
         return table(("node", "read-out", "value", "unit"), self._texts(), right=2)
-
-
-@dataclass(frozen=True)
-class StageCurve:
-    """MTF (signed) and PTF (rad) of a stage along one axis; `frequency` in cycles/mrad."""
-
-    frequency: Vector = field(repr=False)
-    mtf: Vector = field(repr=False)
-    ptf_rad: Vector = field(repr=False)
-
-    @property
-    def otf(self) -> NDArray[np.complex128]:
-        """MTF and PTF as one complex function."""
-        return np.asarray(self.mtf * np.exp(1j * self.ptf_rad), np.complex128)
 
 
 class StageCurves(_Named[Mapping[str, StageCurve]]):
@@ -198,8 +199,10 @@ def curves_of(evaluation: Evaluation, angle_deg: float | None = None) -> StageCu
     stages = (*known.stages, *known.beside, *known.products)
     curves: dict[str, dict[str, StageCurve]] = {}
     for one in stages:
-        x, y = _curve(known.xi, one.x), _curve(known.eta, one.y)
-        curves[one.name] = {"x": x, "y": y} if angle_deg is None else {"line": x}
+        curves[one.name] = {"x": one.x, "y": one.y} if angle_deg is None else {"line": one.x}
+        for curve in curves[one.name].values():
+            for array in (curve.frequency, curve.mtf, curve.ptf_rad):
+                array.flags.writeable = False
 
     def drawn() -> bytes:
         from app.report.drawing.curves import line_png, stages_png
@@ -209,13 +212,6 @@ def curves_of(evaluation: Evaluation, angle_deg: float | None = None) -> StageCu
         return line_png(known, angle_deg)
 
     return StageCurves(curves, {one.name: one.title for one in stages}, drawn)
-
-
-def _curve(frequency: Vector, response: Response) -> StageCurve:
-    values = (frequency, response.mtf, response.ptf)
-    for array in values:
-        array.flags.writeable = False
-    return StageCurve(*values)
 
 
 class StudyTable(_Named[list[Any]]):

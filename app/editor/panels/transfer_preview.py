@@ -73,7 +73,7 @@ def transfer_lines(passing: Passing, node: str, part: Part) -> tuple[TransferLin
 
             def values_at(frequencies: Vector) -> Vector:
                 sampled = response(work, transfer.factors, frequencies, axis)
-                return sampled.mtf if part == "mtf" else sampled.ptf
+                return sampled.mtf if part == "mtf" else sampled.ptf_rad
 
             places = np.linspace(0.0, end, SAMPLES)
             if turn is not None:

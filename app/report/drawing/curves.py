@@ -10,7 +10,7 @@ import numpy as np
 from app.report.drawing import picture_drawing as drawing
 from app.run import terminal
 from app.run.evaluation import Evaluation
-from app.run.transfer_chain import Chain, Response, Responses, StageResponse
+from app.run.transfer_chain import Chain, Responses, StageCurve, StageResponse
 from core.chain.engine import realize
 from core.chain.wires import Curve, CurveData
 
@@ -247,8 +247,8 @@ def panel(
 
 
 def _values(stage: StageResponse, part: Part, along: str) -> Any:
-    response: Response = stage.x if along == "x" else stage.y
-    return response.mtf if part == "mtf" else response.ptf
+    response: StageCurve = stage.x if along == "x" else stage.y
+    return response.mtf if part == "mtf" else response.ptf_rad
 
 
 def _frame(axis: Any, x_label: str, y_label: str) -> None:

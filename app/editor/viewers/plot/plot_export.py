@@ -48,7 +48,7 @@ def csv_text(data: Data) -> str:
         columns.append(("frequency_cyc_per_mrad", data.frequency.tolist()))
         for _, curve in data.curves:
             columns.append((f"{curve.name}.mtf", curve.x.mtf.tolist()))
-            columns.append((f"{curve.name}.ptf_rad", curve.x.ptf.tolist()))
+            columns.append((f"{curve.name}.ptf_rad", curve.x.ptf_rad.tolist()))
     elif data.bars:
         columns.append((data.x_label or "name", data.bars))
         columns += [(s.label or data.y_label, s.y.tolist()) for s in data.series]

@@ -124,8 +124,8 @@ def transfer_drawing(
         )
         panels.append(Panel("|MTF|" if log else "MTF", tuple(lines), (0.0, 1.0), log))
     if parts in ("ptf", "both"):
-        shifting = [curve for _, curve in drawn if curve.x.ptf.any()]
-        lines = (Line(curve.name, curves.frequency, curve.x.ptf) for curve in shifting)
+        shifting = [curve for _, curve in drawn if curve.x.ptf_rad.any()]
+        lines = (Line(curve.name, curves.frequency, curve.x.ptf_rad) for curve in shifting)
         panels.append(Panel("PTF (rad)", tuple(lines), None if shifting else (-1.0, 1.0)))
     along = _AXES.get(curves.angle_deg % 180.0)
     label = along or f"frequency along {curves.angle_deg:g}°"
@@ -148,7 +148,7 @@ def _drawn_of(curves: Curves) -> Curves:
         return curves
 
     def change(stage: transfer_chain.StageResponse) -> float:
-        return float(max(np.abs(stage.x.mtf - 1).max(), np.abs(stage.x.ptf).max()))
+        return float(max(np.abs(stage.x.mtf - 1).max(), np.abs(stage.x.ptf_rad).max()))
 
     few = {stage.name for stage in sorted(stages, key=change, reverse=True)[:_FEW]}
     return tuple(one for one in curves if one[0] == "total" or one[1].name in few)

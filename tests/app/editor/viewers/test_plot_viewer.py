@@ -132,7 +132,9 @@ def test_numbers_are_written_in_full(bench, viewer, tmp_path):
     assert [float(cell) for cell in columns["frequency_cyc_per_mrad"]] == found.frequency.tolist()
     for _, curve in found.curves:
         assert [float(cell) for cell in columns[f"{curve.name}.mtf"]] == curve.x.mtf.tolist()
-        assert [float(cell) for cell in columns[f"{curve.name}.ptf_rad"]] == curve.x.ptf.tolist()
+        assert [
+            float(cell) for cell in columns[f"{curve.name}.ptf_rad"]
+        ] == curve.x.ptf_rad.tolist()
 
 
 @pytest.mark.parametrize("angle", [0.0, 37.0])
@@ -151,7 +153,7 @@ def test_curves_are_those_of_the_laws(bench, angle):
     tau_v = 30.0 * math.pi / 180 * 1000 / 512  # the dwell time is one sample of the scan
     pole = 1 / (1 + 2j * math.pi * tau_v * f * cos)
     assert by_name["electronics"].mtf == pytest.approx(np.abs(pole), rel=1e-9)
-    assert np.abs(by_name["electronics"].ptf) == pytest.approx(np.abs(np.angle(pole)), abs=1e-9)
+    assert np.abs(by_name["electronics"].ptf_rad) == pytest.approx(np.abs(np.angle(pole)), abs=1e-9)
     product = np.prod([c.x.mtf for _, c in found.curves if c.name in bench_stages(found)], axis=0)
     assert by_name["total"].mtf * by_name["electronics"].mtf == pytest.approx(product, abs=1e-12)
     assert by_name["total_with_electronics"].mtf == pytest.approx(product, abs=1e-12)
