@@ -19,7 +19,7 @@ from core.physics.measurement.edge_mtf import LARGEST_ANGLE_DEG, MtfCurve
 from core.records import asdict
 from nodes.files.curve_tables import LARGEST_MTF
 from nodes.files.file_format import CSV, HTML, JSON, suffixes
-from nodes.files.table_cells import csv_lines
+from nodes.files.table_cells import csv_columns
 
 _MOST_REFUSED = 60
 _PLACE = ("edge", "column", "row", "normal (°)", "length")
@@ -329,12 +329,11 @@ def measurement_csv(measured: PictureMeasurement) -> str:
     last = min(float(curve.frequency[-1]) for curve in known.values())
     frequency = next(iter(known.values())).frequency
     frequency = frequency[frequency <= last]
-    rows: list[tuple[str, ...]] = [("frequency (cyc/pixel)", *known)]
-    mtfs = [np.interp(frequency, curve.frequency, curve.mtf) for curve in known.values()]
-    columns = [np.clip(mtf, 0.0, LARGEST_MTF) for mtf in mtfs]
-    for place, row in zip(frequency, zip(*columns, strict=True), strict=True):
-        rows.append((repr(float(place)), *(repr(float(value)) for value in row)))
-    return csv_lines(rows)
+    columns = [("frequency (cyc/pixel)", frequency.tolist())]
+    for name, curve in known.items():
+        mtf = np.clip(np.interp(frequency, curve.frequency, curve.mtf), 0.0, LARGEST_MTF)
+        columns.append((name, mtf.tolist()))
+    return csv_columns(columns)
 
 
 def _given(**values: Any) -> Json:

@@ -50,10 +50,7 @@ class UniformFields:
     def content(self, path: Path) -> str:
         if file_format.JSON.matches(path):
             return json_text(self.facts)
-        rows = [("name", "value", "unit", "meaning")]
-        for name, value, unit, meaning in (*self.figures, *self.table):
-            rows.append((name, "" if value is None else repr(value), unit, meaning))
-        return table_cells.csv_lines(rows)
+        return table_cells.csv_figures((*self.figures, *self.table))
 
 
 # Gain, noise and full well from flat fields.

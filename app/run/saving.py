@@ -5,7 +5,7 @@ import gc
 import math
 import struct
 import zlib
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -65,9 +65,10 @@ def save_value(
         return
     made = engine.realize(value, work, region)
     if isinstance(made, TableData):
-        _save_rows(path, [(row.name, row.value, row.unit, row.meaning) for row in made.rows])
+        rows = [(row.name, row.value, row.unit, row.meaning) for row in made.rows]
+        atomic.write_text(path, table_cells.csv_figures(rows))
     elif isinstance(made, Context):
-        _save_rows(path, _context_rows(made))
+        atomic.write_text(path, table_cells.csv_figures(_context_rows(made)))
     elif isinstance(made, CurveData):
         _save_curve(path, made, work)
     else:
@@ -143,9 +144,9 @@ def _save_curve(path: Path, curve: CurveData, work: Work) -> None:
         arrays.write_curves(path, curve, write_image.curve_columns(curve))
     elif CSV.matches(path):
         points = [
-            (series.label, repr(float(x)), repr(float(y)))
+            (series.label, x, y)
             for series in curve.series
-            for x, y in zip(series.x, series.y, strict=True)
+            for x, y in zip(series.x.tolist(), series.y.tolist(), strict=True)
         ]
         atomic.write_text(
             path, table_cells.csv_lines([("series", curve.x_label, curve.y_label), *points])
@@ -168,10 +169,6 @@ def _context_rows(context: Context) -> list[tuple[Any, ...]]:
         else:
             rows.append((field.name, value))
     return [(name, value, "", "") for name, value in rows]
-
-
-def _save_rows(path: Path, rows: Iterable[tuple[Any, ...]]) -> None:
-    atomic.write_text(path, table_cells.csv_lines([("name", "value", "unit", "meaning"), *rows]))
 
 
 # The picture every run writes: 8-bit grey PNG, without loading a picture library.

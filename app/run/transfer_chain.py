@@ -1,6 +1,5 @@
 """Which picture a network delivers, and the transfer functions that lead to it."""
 
-import itertools
 from collections.abc import Collection, Iterable, Iterator
 from typing import Literal
 
@@ -21,7 +20,7 @@ from core.records import dataclass, field, replace
 from core.transfer.factors import Factor, Grid, Part
 from nodes.analysis.lineage import HORIZONTAL, VERTICAL, Line, stage_along
 from nodes.analysis.lineage import Stage as LineStage
-from nodes.files.table_cells import csv_lines
+from nodes.files.table_cells import csv_columns
 
 ANALYSIS = "Analysis"  # the group whose modules compare and measure: their pictures are no output
 HOW_TO_MARK = "select the node whose picture is the output and press O"
@@ -555,5 +554,4 @@ def mtf_csv(sampled: Responses) -> str:
         for axis, along in (("x", stage.x), ("y", stage.y)):
             columns.append((f"{stage.name}.mtf_{axis}", along.mtf))
             columns.append((f"{stage.name}.ptf_{axis}_rad", along.ptf_rad))
-    cells = ([repr(value) for value in column.tolist()] for _, column in columns)
-    return csv_lines([[name for name, _ in columns], *itertools.zip_longest(*cells, fillvalue="")])
+    return csv_columns((name, column.tolist()) for name, column in columns)

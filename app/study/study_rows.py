@@ -389,10 +389,7 @@ def write_columns(columns: Sequence[Column], path: Path, title: str) -> None:
 
 
 def csv_of(columns: Sequence[Column]) -> str:
-    heads = [column.head for column in columns]
-    return table_cells.csv_lines(
-        [heads, *zip(*(map(terminal.exact, column.values) for column in columns), strict=True)]
-    )
+    return table_cells.csv_columns((c.head, map(terminal.exact, c.values)) for c in columns)
 
 
 def _write_parquet(columns: Sequence[Column], path: Path, title: str) -> None:

@@ -7,7 +7,6 @@ import math
 import os
 import tokenize
 from collections.abc import Callable, Mapping
-from itertools import zip_longest
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO, Literal
 
@@ -21,7 +20,7 @@ from core.records import dataclass
 from nodes.files import picture_info
 from nodes.files.file_format import CSV
 from nodes.files.stored_bytes import checked_band, first_bytes, readable_file, stored_bytes
-from nodes.files.table_cells import csv_lines, line_refused
+from nodes.files.table_cells import csv_columns, line_refused
 
 if TYPE_CHECKING:
     from core.chain.wires import CurveData
@@ -173,7 +172,7 @@ def write_curves(
     names, values = list(columns), [_numbers(_real(column)) for column in columns.values()]
     if curves.bars and names:
         names[0], values[0] = curves.x_label or "name", list(curves.bars)
-    write_text(path, csv_lines([names, *zip_longest(*values, fillvalue="")]))
+    write_text(path, csv_columns(zip(names, values, strict=True)))
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ import io
 import re
 from collections.abc import Callable, Iterable
 from functools import lru_cache, wraps
+from itertools import zip_longest
 from pathlib import Path
 from typing import Any, Concatenate, ParamSpec, TypeVar
 
@@ -26,6 +27,18 @@ def csv_lines(rows: Iterable[Iterable[Any]]) -> str:
     writer = csv.writer(text, lineterminator="\n")
     writer.writerows([text_cell(cell) for cell in row] for row in rows)
     return text.getvalue()
+
+
+def csv_columns(columns: Iterable[tuple[str, Iterable[Any]]]) -> str:
+    """Columns below their names as CSV; the cells that a shorter one lacks are empty."""
+    columns = list(columns)
+    cells = zip_longest(*(values for _, values in columns))
+    return csv_lines([[name for name, _ in columns], *cells])
+
+
+def csv_figures(rows: Iterable[Iterable[Any]]) -> str:
+    """Figures as CSV: name, value, unit and meaning of each."""
+    return csv_lines([("name", "value", "unit", "meaning"), *rows])
 
 
 def text_cell(cell: Any) -> Any:

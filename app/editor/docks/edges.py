@@ -14,10 +14,10 @@ from PySide6.QtGui import QColor, QKeyEvent, QMouseEvent, QPainter, QPen
 from app.editor.declared_text import tip
 from app.editor.panels.chart import Chart, ChartWidget
 from app.editor.theme import theme_of
-from app.editor.viewers.plot.plot_export import columns_text
 from app.editor.widgets import centred_hint, filled, labelled
 from app.measure.measurement_text import REFUSED, REMOVED, USED
 from core.modules.preview import Axis, signed
+from nodes.files.table_cells import csv_columns
 
 if TYPE_CHECKING:
     from app.fit.edge_fit import EdgesAt, Patch
@@ -371,10 +371,11 @@ class SpreadChart(ChartWidget):
         self.update()
 
     def numbers(self) -> str:
-        edge = self.edge
+        if (edge := self.edge) is None:
+            return ""
         names = ("distance (samples)", "picture", "chain")
-        parts = () if edge is None else (edge.distance, edge.sample, edge.spread)
-        return columns_text([(n, part.tolist()) for n, part in zip(names, parts, strict=False)])
+        parts = (part.tolist() for part in (edge.distance, edge.sample, edge.spread))
+        return csv_columns(zip(names, parts, strict=True))
 
     def draw(self, painter: QPainter, area: QRectF) -> None:
         edge = self.edge

@@ -17,7 +17,7 @@ from app.editor.session import Session
 from app.editor.viewers.picture import picture_facts, picture_query, plots_below, region
 from app.editor.viewers.picture.picture_bar import BandBar, PictureBar, list_choices
 from app.editor.viewers.picture.picture_canvas import PictureCanvas, Sides
-from app.editor.viewers.plot.plot_export import columns_text, png_bytes
+from app.editor.viewers.plot.plot_export import png_bytes
 from app.editor.viewers.viewer import PICTURE_TYPES, StatusLine, Viewer, ports_by_node
 from app.editor.widgets import Menu, centred_hint, filled, labelled
 from app.run.saving import metadata_of, save_array
@@ -28,6 +28,7 @@ from core.network.network import Network
 from core.records import dataclass, replace
 from nodes.files.file_format import CSV, dialog_filter, suffixes
 from nodes.files.formats import PNG, SAVED, WRITTEN
+from nodes.files.table_cells import csv_columns
 
 Way = Literal["flip", "wipe"]
 PAUSE_MS = 30
@@ -163,7 +164,7 @@ class ImageViewer(Viewer):
         if self.picture is not None:
             spread, name = self.picture.spread, self.picture.facts.unit or "value"
             columns = [(name, spread.centres.tolist()), ("samples", spread.counts.tolist())]
-            QtWidgets.QApplication.clipboard().setText(columns_text(columns))
+            QtWidgets.QApplication.clipboard().setText(csv_columns(columns))
 
     def queries(self) -> tuple[Query, ...]:
         query = self._query

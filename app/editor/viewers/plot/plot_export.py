@@ -1,7 +1,6 @@
 """Writing what a plot shows, as a picture, as drawing, as numbers; the menu that offers it."""
 
-from collections.abc import Callable, Iterable, Sequence
-from itertools import zip_longest
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
@@ -15,12 +14,11 @@ from core.chain.wires import CurveData, TableData
 from core.errors import FileError, UsageError
 from nodes.files.file_format import CSV, SVG, dialog_filter, suffixes
 from nodes.files.formats import PNG
-from nodes.files.table_cells import csv_lines
+from nodes.files.table_cells import csv_columns, csv_figures
 
 PICTURES = (PNG, SVG)
 NUMBERS = (CSV,)
 KINDS = ";;".join((dialog_filter("Pictures", *PICTURES), dialog_filter("Numbers", *NUMBERS)))
-Columns = Sequence[tuple[str, Iterable[Any]]]
 Numbers = Callable[[], str]  # all numbers of a plot as CSV; empty where there are none
 Report = Callable[[str, str], object]  # "note" or "error", and a text for the person
 Data = TransferCurves | CurveData | TableData
@@ -41,8 +39,7 @@ def save_plot(widget: QtWidgets.QWidget, numbers: str, path: Path) -> None:
 def csv_text(data: Data) -> str:
     """Every curve or row of the data in full precision, also those that are not shown."""
     if isinstance(data, TableData):
-        rows = [(row.name, row.value, row.unit, row.meaning) for row in data.rows]
-        return csv_lines([("name", "value", "unit", "meaning"), *rows])
+        return csv_figures((row.name, row.value, row.unit, row.meaning) for row in data.rows)
     columns: list[tuple[str, Iterable[Any]]] = []
     if isinstance(data, TransferCurves):
         columns.append(("frequency_cyc_per_mrad", data.frequency.tolist()))
@@ -56,13 +53,7 @@ def csv_text(data: Data) -> str:
         for series in data.series:
             columns.append((f"{series.label}: {data.x_label}", series.x.tolist()))
             columns.append((f"{series.label}: {data.y_label}", series.y.tolist()))
-    return columns_text(columns)
-
-
-def columns_text(columns: Columns) -> str:
-    """Columns with their names above them; empty without any."""
-    names = [name for name, _ in columns]
-    return csv_lines([names, *zip_longest(*(values for _, values in columns))]) if names else ""
+    return csv_columns(columns) if columns else ""
 
 
 def _png(widget: QtWidgets.QWidget) -> bytes:
