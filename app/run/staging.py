@@ -338,7 +338,7 @@ class WriteRules:
     allowed: tuple[Path, ...]
     given: frozenset[str]  # nodes whose file the user has named on the command line
     record: WriteRecord  # what it has written before
-    how_to_allow: str = ""  # what lifts the rule where there is no command line
+    how_to_allow: str = f"{OPTION} {{folder}} allows writing there"  # what lifts the rule
 
     def check(self, node: str, target: Path) -> None:
         with placed(node or None), writing(target):
@@ -352,7 +352,7 @@ class WriteRules:
             return
         if any(real.is_relative_to(folder) for folder in self.allowed):
             return
-        lift = self.how_to_allow or f"{OPTION} {shlex.quote(str(real.parent))} allows writing there"
+        lift = self.how_to_allow.format(folder=shlex.quote(str(real.parent)))
         leads = f" (a link to {real})" if target.is_symlink() else ""
         if not any(real.is_relative_to(folder) for folder in self.folders):
             why = "the file lies outside the network's folder and the output folder"

@@ -1,7 +1,6 @@
 """The result of a run; pictures and figures not yet computed are computed on access."""
 
 import os
-import shlex
 from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property, partial
 from os import PathLike, fspath
@@ -26,7 +25,6 @@ from core.evaluation.recipes import Region
 from core.evaluation.work import Policy
 from core.machine import store_bytes
 from core.modules.parameters import Caution
-from core.records import replace
 from imagechain.parts.plain_errors import block, plain_errors, stays_here, table
 from imagechain.results import tables
 from nodes.files.formats import check_finite
@@ -260,12 +258,11 @@ class Result:
             allowed=tuple(Path(os.path.realpath(fspath(one))) for one in allow),
             given=origin.given,
             record=read_record(file),
+            how_to_allow="write_files(allow=[{folder}]) allows it",
         )
         with Staging(None, [file, *input_files(plan)]) as staging:
             for node, path in targets.items():
-                where = shlex.quote(os.path.dirname(os.path.realpath(path)))  # noqa: PTH120
-                told = replace(rules, how_to_allow=f"write_files(allow=[{where}]) allows it")
-                staging.claim(path, partial(told.check, node))
+                staging.claim(path, partial(rules.check, node))
             for _, path, writer in sink_files(evaluation):
                 staging.write(path, writer)
             if origin.file is None:
