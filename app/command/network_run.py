@@ -171,7 +171,7 @@ class NetworkRun:
 
     def lines(self, *, every_readout: bool, on_memory: bool) -> list[str]:
         evaluation, tables = self.evaluation, []
-        readouts = run.readout_rows(evaluation)
+        readouts = [row.texts for row in run.each_readout(evaluation) if row.value is not None]
         if self.figures and not every_readout:
             rows = [
                 (name, f"{v} {unit}", of) for name, v, unit, of in run.figure_rows(self.figures)

@@ -6,7 +6,7 @@ import threading
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -431,22 +431,30 @@ def figure_rows(
     return rows
 
 
-def each_readout(evaluation: Evaluation) -> Iterator[tuple[str, str, Any, str, str]]:
-    """Node, name, value, unit and meaning of every read-out."""
+class ReadoutRow(NamedTuple):
+    """One read-out; `value` is None if the read-out has no value."""
+
+    node: str
+    name: str
+    value: Any
+    unit: str
+    meaning: str
+
+    @property
+    def texts(self) -> tuple[str, str, str, str]:
+        """Node, name, value and unit as people read them."""
+        value = number_text(without_rounding(self.value, self.unit))
+        return self.node, self.name, value, self.unit
+
+
+def each_readout(evaluation: Evaluation) -> Iterator[ReadoutRow]:
     for node, values in evaluation.readouts.items():
         planned = evaluation.plan.nodes[node]
         units = planned.units
         for one in planned.declaration.readouts:
             if one.name in values:
-                yield node, one.name, values[one.name], units[one.name], one.meaning
-
-
-def readout_rows(evaluation: Evaluation) -> list[tuple[str, str, str, str]]:
-    return [
-        (node, name, number_text(without_rounding(value, unit)), unit)
-        for node, name, value, unit, _ in each_readout(evaluation)
-        if value is not None
-    ]
+                value, unit = values[one.name], units[one.name]
+                yield ReadoutRow(node, one.name, value, unit, one.meaning)
 
 
 def sensor_node(plan: Plan, preferred: str | None = None) -> str | None:

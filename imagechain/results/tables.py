@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from app.run.evaluation import Evaluation, block_means, each_readout
+from app.run.evaluation import Evaluation, ReadoutRow, block_means, each_readout
 from app.run.saving import grey_png, metadata_of, save_array
-from app.run.terminal import columns, jsonable, number_text, warned_points, without_rounding
+from app.run.terminal import columns, jsonable, number_text, warned_points
 from app.run.transfer_chain import StageCurve, responses_along
 from core.chain.wires import Image
 from core.errors import ParameterError, close, several, shown
@@ -30,17 +30,6 @@ if TYPE_CHECKING:
 
 Value = TypeVar("Value")
 _SHOWN = 20  # rows of a notebook's table
-
-
-@dataclass(frozen=True)
-class ReadoutRow:
-    """One read-out; `value` is None if the read-out has no value."""
-
-    node: str
-    name: str
-    value: Any
-    unit: str
-    meaning: str
 
 
 class _Named(Mapping[str, Value]):
@@ -88,7 +77,7 @@ class ReadoutTable(_Named[Mapping[str, Any]]):
     """Read-outs as ``readouts[NODE][NAME]``; `rows` also gives units and meanings."""
 
     def __init__(self, evaluation: Evaluation) -> None:
-        self.rows = tuple(ReadoutRow(*row) for row in each_readout(evaluation))
+        self.rows = tuple(each_readout(evaluation))
         super().__init__(evaluation.readouts)
 
     def _no(self, name: str) -> Exception:
@@ -121,18 +110,14 @@ class ReadoutTable(_Named[Mapping[str, Any]]):
         frame: DataFrame = pandas.DataFrame(cells, index=index, dtype=object)
         return frame
 
-    def _texts(self) -> list[tuple[str, str, str, str]]:
-        return [
-            (row.node, row.name, number_text(without_rounding(row.value, row.unit)), row.unit)
-            for row in self.rows
-        ]
-
     def __repr__(self) -> str:
-        rows = [row for row in self._texts() if row[2] != "-"]
+        rows = [row.texts for row in self.rows if row.value is not None]
         return columns(rows, right=(2,)) or "no read-outs"
 
     def _repr_html_(self) -> str:
-        return table(("node", "read-out", "value", "unit"), self._texts(), right=2)
+        return table(
+            ("node", "read-out", "value", "unit"), [row.texts for row in self.rows], right=2
+        )
 
 
 class StageCurves(_Named[Mapping[str, StageCurve]]):
