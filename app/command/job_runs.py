@@ -12,7 +12,7 @@ import numpy as np
 from app.command.network_run import KEPT_BYTES, NetworkRun
 from app.command.options import write_content
 from app.run import option_values, overrides, saving, shipped, terminal, transfer_chain
-from app.run.evaluation import Evaluation, TimedWork, planned
+from app.run.evaluation import Evaluation, TimedWork, each_readout, planned
 from app.run.job import FRAMES, REPORT, Job, Result, Steps
 from app.run.staging import Staging, WriteRecord, WriteRules, check_folder, read_record, real_target
 from app.study.study_drawing import trade_off_content
@@ -138,10 +138,9 @@ class _Runs:
         lines = terminal.warning_lines(evaluation.cautions)
         self._warnings += [f"{name}: {line}" if name else line for line in lines]
         self._figures[name] = {
-            f"{node}.{readout}": value
-            for node, values in evaluation.readouts.items()
-            for readout, value in values.items()
-            if isinstance(value, int | float) and not isinstance(value, bool)
+            f"{row.node}.{row.name}": row.value
+            for row in each_readout(evaluation)
+            if overrides.is_number(row.value)
         }
 
     def _look(self, name: str, evaluation: Evaluation) -> None:
