@@ -166,8 +166,8 @@ def fit(
             return fit_content(result, path, network=name, pictures=pictures)
         fitted = fitted_network(network, result, engine)
         typed = {(setting.node, setting.name) for setting in asked.settings}
-        moved = rebased(fitted, library, place.folder, path.parent, typed=typed)
-        return format_network(moved.apply(fitted) if moved else fitted, library=library)
+        fitted = rebased(fitted, library, place.folder, path.parent, typed=typed)
+        return format_network(fitted, library=library)
 
     files = [path for path in (json, output, report) if isinstance(path, Path)]
     inputs = [place.path, *pictures, *input_files(plan)]

@@ -110,8 +110,7 @@ class Recovered:
         check_new_wires(records.replace(network, links=()), network, library)
         here = _here()
         if self.folder is not None and here is not None:
-            moved = rebased(network, library, self.folder, Path(here))
-            network = moved.apply(network) if moved is not None else network
+            network = rebased(network, library, self.folder, Path(here))
         return Document(
             network, library=library, path=self.original, saved=False, stored=self.stored
         )

@@ -74,8 +74,8 @@ def placed(
     if problem:
         raise NetworkError(problem)
     one = file.read_network(preset.path, library=library)
-    moved = rebased(one, library, preset.path.parent, folder or preset.path.parent)
-    text = file.format_network(moved.apply(one) if moved else one, library=library)
+    one = rebased(one, library, preset.path.parent, folder or preset.path.parent)
+    text = file.format_network(one, library=library)
     (name,), operation = pasted(text, network, library, at)
     return name, operation
 

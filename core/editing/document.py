@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from core.editing.layout import is_in_reach
-from core.editing.operations import ABSENT, Operation, set_parameter, together
+from core.editing.operations import ABSENT, Operation
 from core.editing.wiring import check_new_wires
 from core.errors import ChangedFileError, NetworkError, in_line, thaw
 from core.modules.declaration import Library, declaration
@@ -238,15 +238,12 @@ def rebased(
     new_folder: Path,
     *,
     typed: Collection[tuple[str, str]] = (),
-) -> Operation | None:
-    """Make relative file names point at the same files from another folder; None if they do.
+) -> Network:
+    """The network with relative file names that lead to the same files from another folder.
 
     `typed` are nodes and parameters whose full names become relative below the new folder.
     """
     old, new = (Path(os.path.realpath(folder)) for folder in (old_folder, new_folder))
-    if old == new and not typed:
-        return None
-    steps: list[Operation] = []
     for node in network.nodes.values():
         if node.module not in library:
             continue
@@ -263,8 +260,8 @@ def rebased(
             if moves:
                 moved = _from(old / value, new)
                 if moved != value:
-                    steps.append(set_parameter(node.id, name, moved))
-    return together(steps, "Adjust file names") if steps else None
+                    network = network.with_parameter(node.id, name, moved)
+    return network
 
 
 def _from(file: Path, folder: Path) -> str:

@@ -202,9 +202,7 @@ class ChainState:
                     f"{file} already exists and does not belong to this chain: save the chain "
                     "under another name, or remove that file"
                 )
-        moved = rebased(network, library, self.folder, target.parent, typed=self.given)
-        if moved is not None:
-            network = moved.apply(network)
+        network = rebased(network, library, self.folder, target.parent, typed=self.given)
         for node, name in names.items():
             network = set_parameter(node, "path", name).apply(network)
         for node, name in names.items():

@@ -18,6 +18,7 @@ from core.editing.operations import (
     move_nodes,
     remove_nodes,
     rename_node,
+    restored,
     rewire,
     set_network_field,
     set_node_field,
@@ -356,7 +357,7 @@ def _picture(e: Editor) -> Operation | None:
 
 def _rebase(e: Editor) -> Operation | None:
     folders = [Path("/nowhere/one"), Path("/nowhere/two/deeper"), Path("/nowhere")]
-    return rebased(e.network, e.library, *e.random.sample(folders, 2))
+    return restored(rebased(e.network, e.library, *e.random.sample(folders, 2)), "Rebase")
 
 
 def _several(e: Editor) -> Operation | None:

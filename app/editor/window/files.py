@@ -122,10 +122,11 @@ class Files(QObject):
             return
         here, there = document.folder.absolute(), path.absolute().parent
         moved = rebased(document.network, session.library, here, there)
-        if moved is not None:
-            session.do(moved)
+        changes = moved is not document.network
+        if changes:
+            session.do(restored(moved, "Adjust file names"))
         if not session.save(path, over=over):
-            if moved is not None:
+            if changes:
                 session.undo()
             return
         self._settings.add_recent(path)

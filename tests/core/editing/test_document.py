@@ -180,8 +180,7 @@ def network_of(**paths):
 
 
 def moved(network, library, old, new):
-    operation = rebased(network, library, old, new)
-    after = network if operation is None else operation.apply(network)
+    after = rebased(network, library, old, new)
     return {name: node.params.get("path") for name, node in after.nodes.items()}
 
 
@@ -216,9 +215,8 @@ def test_every_file_name_of_every_module(library, tmp_path):
     nodes = {key: Node(key, key, {"path": "x.npy"}) for key in keys}
     document = Document(Network(nodes=nodes), library=library)
     before = document.text()
-    operation = rebased(document.network, library, tmp_path / "a", tmp_path)
-    assert operation is not None
-    document.do(operation)
+    after = rebased(document.network, library, tmp_path / "a", tmp_path)
+    document.do(restored(after, "Adjust file names"))
     assert {node.params["path"] for node in document.network.nodes.values()} == {"a/x.npy"}
     assert document.undo_text == "Adjust file names"
     document.undo()
