@@ -14,7 +14,7 @@ from app.report.drawing import picture_drawing as drawing
 from app.run import terminal as tables
 from app.run.overrides import Variation, is_number
 from app.study.study_rows import Column, StudyRows, csv_of
-from app.tradeoff.tradeoff_results import ROUNDING, Figure, Point, Results, shown_value
+from app.tradeoff.tradeoff_results import Figure, Point, Results, moves, shown_value
 from core.atomic import write_bytes, write_text
 from core.errors import printable, several
 from nodes.files.file_format import CSV, JSON, PNG
@@ -136,7 +136,7 @@ def ordinate(panel: Any, heights: Sequence[float]) -> None:
     finite = [height for height in heights if math.isfinite(height)]
     if finite and min(finite) > 0 and max(finite) > LOG_FROM * min(finite):
         panel.set_yscale("log")
-    elif finite and max(finite) - min(finite) <= ROUNDING * max(map(abs, finite)):
+    elif finite and not moves(min(finite), max(finite)):
         # A figure that does not move: not its rounding blown up to the full height.
         reach = 0.1 * abs(finite[0]) or 1.0
         panel.set_ylim(finite[0] - reach, finite[0] + reach)
@@ -434,8 +434,7 @@ def _with_values(result: StudyRows) -> list[int]:
     for place in range(len(result.study.figures)):
         heights = _heights(result, place)
         if not np.isnan(heights).all():
-            low, high = float(np.nanmin(heights)), float(np.nanmax(heights))
-            flat[place] = high - low <= ROUNDING * max(abs(low), abs(high))
+            flat[place] = not moves(float(np.nanmin(heights)), float(np.nanmax(heights)))
     return sorted(sorted(flat, key=flat.__getitem__)[:MOST_FIGURES])
 
 
@@ -446,7 +445,7 @@ def _norm(heights: Any) -> Any:
     low, high = float(np.nanmin(heights)), float(np.nanmax(heights))
     if low > 0 and high > LOG_FROM * low:
         return LogNorm(low, high)
-    if high - low <= ROUNDING * max(abs(low), abs(high)):
+    if not moves(low, high):
         reach = 0.1 * abs(low) or 1.0
         return Normalize(low - reach, high + reach)
     return Normalize(low, high)

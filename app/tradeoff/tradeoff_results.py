@@ -222,7 +222,12 @@ def _number(value: Any) -> float | None:
 
 # What a trade-off has found: for one curve or a family of them.
 
-ROUNDING = 1e-5
+_ROUNDING = 1e-5
+
+
+def moves(low: float, high: float) -> bool:
+    """Whether a figure from `low` to `high` moves by more than its rounding."""
+    return high - low > _ROUNDING * max(abs(low), abs(high))
 
 
 @dataclass(frozen=True)
@@ -276,7 +281,7 @@ def changing_figures(figures: Sequence[Figure], points: Sequence[Point]) -> tupl
         if any(value is not None for value in row) and row not in [rows[f] for f in known]:
             shown.append(figure)  # not the MTF with electronics that do not filter
     values = {figure: [v for v in rows[figure] if v is not None] for figure in shown}
-    changing = [f for f, v in values.items() if max(v) - min(v) > ROUNDING * max(map(abs, v))]
+    changing = [f for f, v in values.items() if moves(min(v), max(v))]
     return tuple(changing or shown)
 
 
