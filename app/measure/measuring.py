@@ -82,7 +82,9 @@ def measure_pictures(
         check()
         _refuse_unfit(picture, name, offset_dn)
         if number < MOST_PREVIEWS:
-            previews.append(_preview(picture))
+            previews.append(
+                block_means(picture, results.preview_factor(*picture.shape)).astype(np.float32)
+            )
         if taken is not None:
             taken.add(picture)
         own = edges_of(picture=picture, number=number, clip_levels=clip_levels, check=check)
@@ -160,11 +162,6 @@ def _refuse_unfit(picture: Matrix, name: str, offset: float | None) -> None:
             f"{name}: the mean level, {mean:.6g}, is not above the dark level, {offset:.6g}. "
             "Check the dark frames (--dark) or the dark level (--offset-dn)"
         )
-
-
-def _preview(picture: Matrix) -> NDArray[np.float32]:
-    factor = results.preview_factor(*picture.shape)
-    return block_means(picture, factor).astype(np.float32)
 
 
 def without_edge(

@@ -29,7 +29,6 @@ _TEXTURE_BLOCK, _LEAST_BLOCKS = 3.0, 8  # samples; and blocks of a side
 _TEXTURE_LENGTH = 4.0  # samples, over which texture hangs together
 _NEAR = 0.05  # cycles per sample, over which their variances are averaged
 _LARGEST_GAP = 0.75  # samples between distances, above which nothing is supersampled
-_LEAST_SAMPLES = 60
 _SLOPE_WIDTH = 0.03  # cycles per sample about a crossing, over which the MTF's slope is taken
 
 
@@ -71,8 +70,7 @@ def measure_edge(
     Raises
     ------
     DataError
-        If the samples' distances from the edge repeat, so that it cannot be supersampled, or there
-        are too few of them.
+        If the samples' distances from the edge repeat, so that it cannot be supersampled.
 
     Notes
     -----
@@ -84,11 +82,6 @@ def measure_edge(
     check()
     frequency = np.asarray(frequency, np.float64)
     samples = edge_samples(picture=picture, edge=edge)
-    if len(samples.value) < _LEAST_SAMPLES:
-        raise DataError(
-            f"too few samples near the edge at x = {edge.x:.1f}, y = {edge.y:.1f}: "
-            f"{len(samples.value)}; needed: at least {_LEAST_SAMPLES}"
-        )
     fit = fit_spread(samples=samples, reach=edge.reach, half_length=edge.length / 2.0)
     if fit.gap > _LARGEST_GAP:
         raise DataError(
