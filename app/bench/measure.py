@@ -31,7 +31,7 @@ FREE = (
 )
 
 
-def measuring(settings: Settings) -> Table:
+def measuring(settings: Settings) -> list[Table]:
     rows = []
     for size in (SMALL, *(() if settings.quick else (LARGE,))):
         shape = size if settings.size >= SIZE else (settings.size, settings.size)
@@ -48,10 +48,10 @@ def measuring(settings: Settings) -> Table:
         "flat areas."
     )
     title = "Measuring a picture, double precision"
-    return Table("measure", title, heads, rows, text)
+    return [Table("measure", title, heads, rows, text)]
 
 
-def fitting(settings: Settings) -> Table:
+def fitting(settings: Settings) -> list[Table]:
     shape, across = (SMALL, 3) if settings.size >= SIZE else (SMALLEST, 1)
     picture = chart(shape, across)
     rows = []
@@ -69,7 +69,7 @@ def fitting(settings: Settings) -> Table:
         f"A chart of {shape[1]} × {shape[0]} samples. Timed: finding the edges and fitting the "
         "network to them."
     )
-    return Table("fit", "Fitting a network to a picture", heads, rows, text)
+    return [Table("fit", "Fitting a network to a picture", heads, rows, text)]
 
 
 def chart(shape: tuple[int, int], across: int) -> Floats:

@@ -43,7 +43,7 @@ INTERVAL_MRAD = WAVELENGTH_UM / (4 * APERTURE_MM)  # a quarter of the cutoff's p
 PIXEL_MRAD = PIXEL_UM / FOCAL_LENGTH_MM
 
 
-def peers(settings: Settings) -> Table:
+def peers(settings: Settings) -> list[Table]:
     sizes = (settings.size // 2,) if settings.quick else (settings.size // 2, settings.size)
     rows: list[dict[str, Any]] = []
     for size in sizes:
@@ -69,7 +69,7 @@ def peers(settings: Settings) -> Table:
     chart = Chart("largest error of the delivered MTF", "program", "maker",
                   lines=False, title=name, where=last, by_colour=True)  # fmt: skip
     title = "Filtering a frame: circular aperture and square pixel"
-    return Table("peers", title, heads, rows, text, chart)
+    return [Table("peers", title, heads, rows, text, chart)]
 
 
 def _delivered(size: int, build: Callable[[int], Deliver], settings: Settings) -> dict[str, Any]:

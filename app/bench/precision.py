@@ -34,7 +34,7 @@ STRENGTHS = tuple(0.4 * 10.0**decade for decade in range(-9, -1) for _ in range(
 TOLERANCES = (0.0, None, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2)
 
 
-def precision(settings: timing.Settings) -> Table:
+def precision(settings: timing.Settings) -> list[Table]:
     single = timing.kodak_chain(settings.small)
     scene = single.scene
     expected = truth.mirrored_picture(scene, truth.Sensor(_grid(single).interval_x_mrad))
@@ -55,10 +55,10 @@ def precision(settings: timing.Settings) -> Table:
         "single precision in both rows."
     )
     title = f"Precision: Kodak optics, {settings.small}², mirrored, compared with a direct sum"
-    return Table("precision", title, heads, rows, text, Chart("largest error", "choice"))
+    return [Table("precision", title, heads, rows, text, Chart("largest error", "choice"))]
 
 
-def edges(settings: timing.Settings) -> Table:
+def edges(settings: timing.Settings) -> list[Table]:
     kodak = timing.kodak_chain(settings.small)
     scene, sensor = kodak.scene, truth.Sensor(_grid(kodak).interval_x_mrad)
     mirrored = truth.mirrored_picture(scene, sensor)
@@ -82,7 +82,7 @@ def edges(settings: timing.Settings) -> Table:
         "change."
     )
     title = f"Edges: Kodak optics, {settings.small}², single precision, compared with direct sums"
-    return Table("edges", title, heads, rows, text, Chart("largest error", "choice"))
+    return [Table("edges", title, heads, rows, text, Chart("largest error", "choice"))]
 
 
 def _of_picture(
@@ -151,7 +151,7 @@ def pupil_network(network: Network, shape: str, size: int, sampled: str = "") ->
     return network
 
 
-def pupil_sampling(settings: timing.Settings) -> Table:
+def pupil_sampling(settings: timing.Settings) -> list[Table]:
     kodak = timing.kodak_chain(settings.small)
     rows = []
     kinds = ("clear", "bilinear"), ("half_moon", "bilinear"), ("half_moon", "linear")
@@ -176,19 +176,19 @@ def pupil_sampling(settings: timing.Settings) -> Table:
     )
     title = f"Pupil: closed form and autocorrelated samples, {settings.small}² frequencies"
     chart = Chart("largest error", "choice", "curve")
-    return Table("pupil_sampling", title, heads, rows, text, chart)
+    return [Table("pupil_sampling", title, heads, rows, text, chart)]
 
 
 def _sizes(settings: timing.Settings) -> tuple[int, ...]:
     return (64, 128, 256) if settings.quick else (64, 128, 256, 512, 1024)
 
 
-def wavelengths(settings: timing.Settings) -> Table:
+def wavelengths(settings: timing.Settings) -> list[Table]:
     mp = truth.mpmath()
     title = f"Wavelengths for the band 3 to 5 µm, {settings.small}² frequencies"
     heads = {"aperture": "aperture", "choice": "wavelengths", **T0_HEADS, "error": "largest error"}
     if mp is None:
-        return Table("wavelengths", title, heads, [], truth.NEEDS_MPMATH)
+        return [Table("wavelengths", title, heads, [], truth.NEEDS_MPMATH)]
     kodak = timing.kodak_chain(settings.small)
     nyquist = _grid(kodak).nyquist_x
     xi = np.linspace(0.0, nyquist, 17)
@@ -215,16 +215,16 @@ def wavelengths(settings: timing.Settings) -> Table:
         "an adaptive integral over the band."
     )
     chart = Chart("largest error", "choice", "aperture")
-    return Table("wavelengths", title, heads, rows, text, chart)
+    return [Table("wavelengths", title, heads, rows, text, chart)]
 
 
-def charge_transfer(settings: timing.Settings) -> Table:
+def charge_transfer(settings: timing.Settings) -> list[Table]:
     title = "Charge transfer: H = MTF·exp(i·PTF) compared with the product of all transfers"
     heads = {"choice": "model", "setting": "N(1 − ε)", "t0": "T0", "mtf": "error of MTF"}
     heads |= {"ptf": "error of PTF, rad", "error": "error of H"}
     mp = truth.mpmath()
     if mp is None:
-        return Table("charge_transfer", title, heads, [], truth.NEEDS_MPMATH)
+        return [Table("charge_transfer", title, heads, [], truth.NEEDS_MPMATH)]
     kodak = timing.kodak_chain(settings.small)
     w, full = np.linspace(0.0, math.pi, 65), np.linspace(0.0, math.pi, settings.small)
     rows = []
@@ -249,7 +249,7 @@ def charge_transfer(settings: timing.Settings) -> Table:
     )
     name = "Charge transfer compared with the product of all transfers, by N × (1 − ε)"
     chart = Chart("largest error of H", "setting", "choice", lines=False, title=name)
-    return Table("charge_transfer", title, heads, rows, text, chart)
+    return [Table("charge_transfer", title, heads, rows, text, chart)]
 
 
 def _charge_transfer(w: Array, how: Any) -> tuple[Any, Any]:
@@ -257,7 +257,7 @@ def _charge_transfer(w: Array, how: Any) -> tuple[Any, Any]:
     return mtf, charge_transfer_ptf(phase_per_transfer=w, **how)
 
 
-def poisson(settings: timing.Settings) -> Table:
+def poisson(settings: timing.Settings) -> list[Table]:
     kodak = timing.kodak_chain(settings.size)
     shape, workers, for_each = kodak.scene.shape, kodak.policy.workers, kodak.work.for_each
     chance = CHANCE / math.sqrt(kodak.scene.size)
@@ -295,7 +295,7 @@ def poisson(settings: timing.Settings) -> Table:
     title = f"Exact and normal deviates for Poisson noise: {settings.size}² samples"
     name = f"{title}, against the mean; distances below {chance:.1g} occur by chance"
     chart = Chart("Kolmogorov distance from Poisson", "mark", "choice", title=name)
-    return Table("poisson", title, heads, rows, text, chart)
+    return [Table("poisson", title, heads, rows, text, chart)]
 
 
 def _rounded_normal(means: Array, stream: Stream, for_each: ForEach) -> Array:
@@ -307,7 +307,7 @@ def _rounded_normal(means: Array, stream: Stream, for_each: ForEach) -> Array:
     return np.maximum(counts, 0, out=counts)
 
 
-def skipping(settings: timing.Settings) -> Table:
+def skipping(settings: timing.Settings) -> list[Table]:
     network, sensor = weak_chain(settings.small)
     first = timing.Chain(network, Policy(tolerance=0.0))
     expected = truth.mirrored_frame(first.scene, sensor)
@@ -336,7 +336,7 @@ def skipping(settings: timing.Settings) -> Table:
     title = f"Leaving out weak stages: {len(STRENGTHS)} stages, {settings.small}², mirrored"
     name = f"{title}: tolerance (stages left out)"
     chart = Chart("rms error / (max − min)", "mark", "precision", title=name)
-    return Table("skipping", title, heads, rows, text, chart)
+    return [Table("skipping", title, heads, rows, text, chart)]
 
 
 def left_out(chain: timing.Chain, expected: Array) -> tuple[float, int]:

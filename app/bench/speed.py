@@ -26,7 +26,7 @@ SNRS = tuple(100.0 + step for step in range(1, 32))
 LOOKS = 20  # repetitions of what takes microseconds
 
 
-def networks(settings: timing.Settings) -> Table:
+def networks(settings: timing.Settings) -> list[Table]:
     kodak = timing.kodak_chain(settings.size)
     rows = [*_cold_and_edited(kodak, settings), _plain(kodak, settings)]
     rows += [_unchanged(kodak, settings)]
@@ -38,10 +38,10 @@ def networks(settings: timing.Settings) -> Table:
     )
     name = f"Time of the whole chain and of edits: {title}"
     chart = Chart(title=name, where=("unit", "T0"))
-    return Table("networks", title, HEADS, rows, text, chart)
+    return [Table("networks", title, HEADS, rows, text, chart)]
 
 
-def one_thread(settings: timing.Settings) -> Table:
+def one_thread(settings: timing.Settings) -> list[Table]:
     rows = _cold_and_edited(timing.kodak_chain(settings.size, threads=1), settings)
     title = f"Whole chain and edits on one thread, {settings.size}² → {settings.size // 2}²"
     text = (
@@ -49,7 +49,7 @@ def one_thread(settings: timing.Settings) -> Table:
         "sums) always runs on one thread, so it takes a larger share of the time when the loops "
         "use several threads."
     )
-    return Table("one_thread", title, HEADS, rows, text)
+    return [Table("one_thread", title, HEADS, rows, text)]
 
 
 def _cold_and_edited(kodak: timing.Chain, settings: timing.Settings) -> list[Any]:
@@ -108,7 +108,7 @@ def _unchanged(kodak: timing.Chain, settings: timing.Settings) -> Any:
     return {**row, "low": low, "high": high, **judged(middle, 50.0)}
 
 
-def fresh_process(settings: timing.Settings) -> Table:
+def fresh_process(settings: timing.Settings) -> list[Table]:
     with tempfile.TemporaryDirectory() as folder:
         words = command("app.command.cli", "run", timing.KODAK, "--output-dir", f"{folder}/out")
         if settings.size != timing.SHIPPED_SIZE:
@@ -125,7 +125,7 @@ def fresh_process(settings: timing.Settings) -> Table:
     heads |= {"low": "minimum", "high": "maximum"}
     title = f"Fresh process, {settings.size}², median of {several(starts, 'start')}"
     text = "Starting Python, drawing the scene and writing the files are included."
-    return Table("fresh_process", title, heads, [row], text)
+    return [Table("fresh_process", title, heads, [row], text)]
 
 
 def whole_chain(scene: Array, lines: int, samples: int, seed: int) -> Array:

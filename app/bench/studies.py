@@ -3,7 +3,7 @@
 import resource
 import tempfile
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import chdir
 from pathlib import Path
 from typing import Any
@@ -34,8 +34,17 @@ FIGURES = ("electronics.snr", "electronics.netd_system_K")
 FIELD = {"fov_x_deg": 10.0, "fov_y_deg": 10.0}
 
 
-def study_points(settings: Settings) -> Table:
-    side, across = min(SIDE, settings.size), 8 if settings.quick else 100
+def studies(settings: Settings) -> list[Table]:
+    side, cores = min(SIDE, settings.size), Policy().workers
+    # Processes take longer to start than a quick study of small pictures to compute.
+    several = [cores] if cores > 1 and side >= LEAST_SIDE else []
+    return [
+        points_table(side, 8 if settings.quick else 100, (1, *several)),
+        scenes_table(side, 20 if settings.quick else 1000, (1, *several)),
+    ]
+
+
+def points_table(side: int, across: int, jobs: Sequence[int]) -> Table:
     scene = {"width": side, "height": side, **FIELD, "cut_on_um": 3.0, "cut_off_um": 5.0}
     network = _sensor("test_scene", scene)
     sigmas = np.linspace(0.05, 0.5, across).tolist()
@@ -49,7 +58,7 @@ def study_points(settings: Settings) -> Table:
 
     vary = {"blur.sigma_x_mrad": sigmas, "electronics.amplifier_snr": snrs}
     asked: dict[str, Any] = {"vary": vary, "figures": FIGURES}
-    rows = _measured(variants, lambda n: run_study(network, jobs=n, **asked), side, 1.3)
+    rows = _measured(variants, lambda n: run_study(network, jobs=n, **asked), jobs, 1.3)
     text = (
         "Every combination of a Gaussian's width and the amplifier's signal-to-noise ratio, with "
         f"two figures of merit at each point. {HOW}"
@@ -58,8 +67,7 @@ def study_points(settings: Settings) -> Table:
     return Table("study_points", title, HEADS, rows, text)
 
 
-def study_scenes(settings: Settings) -> Table:
-    side, count = min(SIDE, settings.size), 20 if settings.quick else 1000
+def scenes_table(side: int, count: int, jobs: Sequence[int]) -> Table:
     with tempfile.TemporaryDirectory() as folder, chdir(folder):
         random = np.random.Generator(np.random.Philox(1))
         for number in range(count):
@@ -72,7 +80,7 @@ def study_scenes(settings: Settings) -> Table:
                 yield network.with_parameter("scene", "path", path)
 
         asked: dict[str, Any] = {"over": ["scene.path=s*.npy"], "figures": FIGURES}
-        rows = _measured(variants, lambda n: run_study(network, jobs=n, **asked), side, 1.2)
+        rows = _measured(variants, lambda n: run_study(network, jobs=n, **asked), jobs, 1.2)
     text = f"Each picture is a separate file and is read once. {HOW}"
     title = f"Study of {count} pictures, {side}², single precision"
     return Table("study_scenes", title, HEADS, rows, text)
@@ -92,7 +100,7 @@ def _sensor(source: str, scene: dict[str, Any]) -> Network:
 def _measured(
     variants: Callable[[], Iterator[Network]],
     study: Callable[[int], StudyRows],
-    side: int,
+    jobs: Sequence[int],
     reach: float,
 ) -> tuple[dict[str, Any], ...]:
     before, used = time.perf_counter(), _processor_s()
@@ -107,9 +115,7 @@ def _measured(
     own = time.perf_counter() - before
     row: dict[str, Any] = {"subject": "Python loop", "count": count, "seconds": own}
     rows = [row | {"processor": _processor_s() - used, "ms": 1e3 * own / count, "ratio": 1.0}]
-    cores = Policy().workers
-    # Processes take longer to start than a quick study of small pictures to compute.
-    for processes in (1, cores) if cores > 1 and side >= LEAST_SIDE else (1,):
+    for processes in jobs:
         before, used = time.perf_counter(), _processor_s()
         result = study(processes)
         took = time.perf_counter() - before - result.start_s
@@ -127,4 +133,4 @@ def _processor_s() -> float:
     return sum(sum(resource.getrusage(kind)[:2]) for kind in kinds)
 
 
-MEASURES = (study_points, study_scenes)
+MEASURES = (studies,)

@@ -235,7 +235,7 @@ LEAD = (
     "and threads. Any Fourier method takes at least T0. Each method and T0 are timed alternately; "
     "the figures are medians of the ratios."
 )
-Measures = Sequence[Callable[[Settings], Table]]
+Measures = Sequence[Callable[[Settings], list[Table]]]
 Measured = Mapping[str, Sequence[Table]]
 
 
@@ -267,9 +267,9 @@ def measured(
     for name, measures in parts.items():
         say(f"\n== {titles[name]} ==")
         tables[name] = []
-        for measure in measures:
-            tables[name].append(measure(settings))
-            say("\n" + tables[name][-1].terminal())
+        for table in (table for measure in measures for table in measure(settings)):
+            say("\n" + table.terminal())
+            tables[name].append(table)
     facts["seconds"] = time.perf_counter() - start
     facts["parts"] = {name: [table.facts() for table in made] for name, made in tables.items()}
     return facts, tables
