@@ -129,13 +129,18 @@ def handbook_files(
         progress(entry.title)
         address = module_address(entry.key)
         later = None if drawn else {"reason": _LATER}
+        names = [parameter.name for parameter in entry.parameters]
         about: dict[str, Any] = {
             "page": module_page(entry, {one.title: f"{one.key}.html" for one in declared}),
             "example": later or figures.example_of(entry, engine),
             "inputs": ports_text(entry.inputs),
             "outputs": ", ".join(port.name for port in entry.outputs),
             "group_anchor": anchor_of(entry.group),
-            "parameters": [(p, p.allowed(), default(p)) for p in entry.parameters],
+            "parameters": [
+                (p, prose(p.param.text, names), p.allowed(), default(p)) for p in entry.parameters
+            ],
+            "readouts": [(r, prose(r.meaning, names)) for r in entry.readouts],
+            "warnings": [prose(meaning, names) for _, meaning, _ in entry.warnings],
         }
         yield address, frame.page(address, "module_page.html", entry.title, **about)
         said = [entry.key, entry.text, *(f"{p.name} {p.param.text}" for p in entry.parameters)]

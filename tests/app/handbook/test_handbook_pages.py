@@ -83,6 +83,9 @@ def test_the_written_handbook(folder, pages):
         assert not page.open, (name, page.open)
         twice = {anchor for anchor in page.anchors if page.anchors.count(anchor) > 1}
         assert not twice, name
+        assert "`" not in re.sub(r"(?s)<pre>.*?</pre>", "", (folder / name).read_text("utf-8")), (
+            name
+        )
     # Links lead somewhere.
     for name, page in pages.items():
         here = folder / name
